@@ -1,9 +1,10 @@
 """Cases: every method with sites, queries and tolerances, to which the laws are applied."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from zlib import crc32
 
 import numpy as np
 from scipy.stats import ortho_group
@@ -49,6 +50,7 @@ class Case:
     whether the residuals of a method that does not interpolate exceed rounding. `removable` says
     whether the method is defined without one of its sites, and `argument` is the name of the
     argument for the sites.
+    `arrangements` are those of `ARRANGEMENTS` that the case is tried on, three of them by default.
     """
 
     name: str
@@ -60,6 +62,7 @@ class Case:
     units: tuple[float, ...] = EXTREME_UNITS
     removable: bool = True
     argument: str = "points"
+    arrangements: tuple[str, ...] = ()
 
     @cached_property
     def sites(self) -> np.ndarray:
@@ -90,6 +93,15 @@ class Case:
     def turn(self) -> np.ndarray:
         """An orthogonal matrix (d, d) under which the method is equivariant."""
         return ortho_group.rvs(self.d, random_state=5) if self.d > 1 else -np.eye(1)
+
+    def arranged(self) -> Iterator[tuple[str, np.ndarray]]:
+        """Name and sites of each arrangement on which the method is tried."""
+        names = [name for name, a in ARRANGEMENTS.items() if self.d >= a.d]
+        start = crc32(self.name.encode())
+        three = (names[(start + i) % len(names)] for i in range(3))
+        for name in self.arrangements or three:
+            for sites in ARRANGEMENTS[name].clouds(np.random.default_rng(7), self.n, self.d):
+                yield f"{name}, {len(sites)} sites", sites
 
     def without(self, i: int) -> float:
         """The value at site i of the field of the other data."""
@@ -162,6 +174,101 @@ def flattened(x: np.ndarray) -> np.ndarray:
 def on_a_lattice(x: np.ndarray) -> np.ndarray:
     """Points with twenty binary digits, so that an offset of 2^20 causes no rounding."""
     return np.round(x * 2.0**20) / 2.0**20
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """Clouds of distinct sites, in at least d variables, that are not in general position."""
+
+    clouds: Callable[[np.random.Generator, int, int], Iterable[np.ndarray]]
+    d: int = 1
+
+
+def one_line(rng: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
+    """Across the axes."""
+    yield np.sort(rng.random((n, 1)), axis=0) * np.linspace(1.0, 0.3, d)
+
+
+def two_lines(rng: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
+    """Parallel to the first axis, half a unit apart."""
+    x = np.zeros((n, d))
+    x[:, 0], x[::2, 1] = rng.random(n), 0.5
+    yield x
+
+
+def circle(_: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
+    """About the middle, in the plane of the first two axes."""
+    t = 2 * np.pi * np.arange(n) / n
+    x = np.full((n, d), 0.5)
+    x[:, :2] += np.column_stack([np.cos(t), np.sin(t)]) / 2
+    yield x
+
+
+def on_a_sphere(rng: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
+    """About the middle."""
+    x = rng.normal(size=(n, d))
+    yield 0.5 + x / np.linalg.norm(x, axis=1)[:, None] / 2
+
+
+def two_planes(rng: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
+    """Across the last axis."""
+    x = rng.random((n, d))
+    x[:, -1] = np.arange(n) % 2
+    yield x
+
+
+def flight_lines(_: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
+    """Three lines, fifty times as far apart as the sites on them; two beyond for two lines off."""
+    k = np.arange(n)
+    x = np.zeros((n, d))
+    x[:, 0], x[:, 1] = k // 3, 50 * (k % 3)
+    x[:, 2:] = 50 * (k % 3 == 2)[:, None]
+    yield x / n
+
+
+def tiny_clusters(rng: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
+    """Eight clusters, 1e-6 wide."""
+    yield rng.random((8, d))[np.arange(n) % 8] + 1e-6 * rng.random((n, d))
+
+
+def an_outlier(rng: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
+    """One site is 1e5 spacings away from the cloud."""
+    x = rng.random((n, d))
+    x[n // 2] += 1e5 * n ** (-1 / d) * np.linspace(0.3, 0.9, d)
+    yield x
+
+
+def few_sites(rng: np.random.Generator, _: int, d: int) -> Iterator[np.ndarray]:
+    """One site to twelve."""
+    yield from (rng.random((n, d)) for n in range(1, 13))
+
+
+def merged_duplicates(rng: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
+    """What is left of sites on a coarse lattice, many of which coincide."""
+    yield np.unique(rng.integers(0, 6, (n, d)), axis=0) / 6
+
+
+def lattice(rng: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
+    """A square lattice, and the same in another order."""
+    m = max(2, round(n ** (1 / d)))
+    x = np.stack(np.meshgrid(*[np.arange(m) / m] * d), axis=-1).reshape(-1, d)
+    yield x
+    yield x[rng.permutation(len(x))]
+
+
+ARRANGEMENTS = {
+    "one line": Arrangement(one_line),
+    "two lines": Arrangement(two_lines, 2),
+    "circle": Arrangement(circle, 2),
+    "sphere": Arrangement(on_a_sphere, 3),
+    "two parallel planes": Arrangement(two_planes, 2),
+    "flight lines": Arrangement(flight_lines, 2),
+    "clusters": Arrangement(tiny_clusters),
+    "outlier": Arrangement(an_outlier),
+    "few sites": Arrangement(few_sites),
+    "merged duplicates": Arrangement(merged_duplicates),
+    "lattice": Arrangement(lattice),
+}
 
 
 def least_squares_cases() -> Iterator[Case]:

@@ -15,8 +15,11 @@ from unittest import mock
 import numpy as np
 from scipy import sparse
 
-from cases import Case
+from cases import FLAT, Case, CornersCase, PatchesCase
 from fieldrecon._core import chunks as _chunks
+from fieldrecon.methods.solvability import TOLERATED_MISS
+from fieldrecon.polynomials import EPS
+from fieldrecon.reconstruction import Reconstruction
 from fieldrecon.selection.leaving_one_out import leave_one_out
 
 VISIBLE = 1e-5
@@ -24,6 +27,9 @@ VISIBLE = 1e-5
 
 # Error of the sixth-order difference quotient below, including the rounding of the field.
 DIFFERENCE = 1e-5
+SECOND_DIFFERENCE = 1e-3
+"""Of the same quotient of gradients, relative to the second derivatives: kernels that are so smooth
+that their matrix loses nine digits have gradients with seven."""
 
 
 def assert_close(a: object, b: object, tolerance: float) -> None:
@@ -43,7 +49,7 @@ def all_monomials(x: np.ndarray, degree: int) -> np.ndarray:
     y = 2 * x - 1
     powers = [a for a in product(range(degree + 1), repeat=x.shape[1]) if sum(a) <= degree]
     powers.sort(key=sum)
-    return np.stack([np.prod(y**a, axis=1) for a in powers] or [y[:, 0]] * 0, axis=1)
+    return np.reshape([np.prod(y**a, axis=1) for a in powers], (-1, len(x))).T
 
 
 def difference_quotient(f, x: np.ndarray, step: float) -> np.ndarray:
@@ -190,6 +196,33 @@ def the_gradient_is_the_derivative(case: Case) -> None:
     s = case.method.field(case.data)
     quotient = difference_quotient(s, case.queries, step=2e-5)
     assert_close(s.gradient(case.queries), quotient, DIFFERENCE)
+
+
+def has_second_derivatives(case: Case) -> bool:
+    """Whether the method computes them."""
+    return type(case.method)._hessian_rows is not Reconstruction._hessian_rows
+
+
+@about(has_second_derivatives)
+def hessians_are_derivatives_of_gradients(case: Case) -> None:
+    """Hessians agree with difference quotients of gradients; their trace is the Laplacian."""
+    s, x = case.method.field(case.data), case.queries
+    hessian, quotient = s.hessian(x), difference_quotient(s.gradient, x, step=2e-5)
+    size = max(np.abs(quotient).max(), VISIBLE)
+    assert_close(hessian, quotient, SECOND_DIFFERENCE * size)
+    assert_close(hessian, hessian.swapaxes(-1, -2), 0.0)
+    trace = np.trace(hessian, axis1=-2, axis2=-1)
+    assert_close(s.laplacian(x), trace, 1000 * case.exact * max(size, 1.0))
+
+
+@about(has_second_derivatives)
+def hessians_change_with_axes_and_unit(case: Case) -> None:
+    """Hessians turn with the points, Q^T H Q, and scale as 1 / unit^2."""
+    q, x, unit = case.turn, case.queries, case.units[-1]
+    hessian = case.method.field(case.data).hessian(x)
+    there = case.make(case.sites @ q * unit, unit).field(case.data)
+    tolerance = 1e4 * case.exact * max(1.0, np.abs(hessian).max())
+    assert_close(there.hessian(x @ q * unit) * unit * unit, q.T @ hessian @ q, tolerance)
 
 
 def the_adjoint_is_the_transpose(case: Case) -> None:
@@ -464,6 +497,64 @@ def leave_one_out_equals_refits(case: Case) -> None:
         assert_close(residuals[i], case.data[i] - case.without(i), 1000 * case.exact)
 
 
+# --- arrangements -------------------------------------------------------------------------------
+
+
+@about(lambda case: not isinstance(case, CornersCase))
+def arrangements_are_solved_or_refused(case: Case) -> None:
+    """On sites of any arrangement the method keeps its promises, or refuses in words."""
+    for name, sites in case.arranged():
+        try:
+            assert_promises_kept(case.make, sites, refuses=not isinstance(case, PatchesCase))
+        except AssertionError as error:
+            error.add_note(f"The sites are: {name}.")
+            raise
+
+
+def assert_promises_kept(
+    make: Callable[[np.ndarray, float], Reconstruction], sites: np.ndarray, refuses: bool
+) -> None:
+    """Polynomials, data, both routes, and the order of the sites, in and out of the hull."""
+    rng, (n, d) = np.random.default_rng(8), sites.shape
+    low, extent = sites.min(axis=0), max(np.ptp(sites, axis=0).max(), 1e-9)
+    near = sites[rng.integers(0, n, 4)] + 0.02 * extent * rng.normal(size=(4, d))
+    between = (sites[rng.integers(0, n, 3)] + sites[rng.integers(0, n, 3)]) / 2
+    x = np.vstack([near, between, low + extent * (1.6 * rng.random((6, d)) - 0.3)])
+    spread = np.median(np.abs(sites - np.median(sites, axis=0)).max(axis=1)) + 1e-9 * extent
+    f = np.cos((sites - low) @ np.linspace(0.3, 1.0, d) / spread)
+    order = rng.permutation(n)
+
+    try:
+        m = make(sites, 1.0)
+        h, other = dense(m.weights(x)), dense(make(sites[order], 1.0).weights(x))
+        p, exact = (all_monomials((y - low) / extent, m.degree) for y in (sites, x))
+        s = m.field(np.column_stack([p, f]))
+        values, again = s(x), s(sites) if m.interpolates else None
+    except (np.linalg.LinAlgError, ValueError) as error:
+        if refuses and WORDS[type(error)].search(str(error)):
+            return
+        raise AssertionError(f"refused: {error!r}") from None
+
+    size = 1 + np.abs(h).sum(axis=1)[:, None]  # by which the rounding of the data is multiplied
+    if not refuses:  # then it stays bounded
+        assert size.max() * EPS < FLAT, f"weights of size {size.max():.0e}"
+    grows = size * max(1.0, np.abs(exact).max(initial=0.0))
+    assert_close(h @ p / grows, exact / grows, FLAT)
+    assert_close(values[:, :-1] / grows, exact / grows, FLAT)
+    assert_close(values[:, -1:] / size, h @ f[:, None] / size, TOLERATED_MISS)
+    load = np.cos(np.arange(len(x)))
+    assert_close(m.adjoint(x, load) / size.max(), h.T @ load / size.max(), TOLERATED_MISS)
+    if again is not None:
+        assert_close(again[:, -1], f, TOLERATED_MISS)
+    assert_close(other @ f[order] / size[:, 0], h @ f / size[:, 0], 10 * VISIBLE)
+
+
+WORDS = {
+    np.linalg.LinAlgError: re.compile("do not determine|would miss its data"),
+    ValueError: re.compile("neighbors must be an integer from 1 to"),
+}
+
+
 LAWS: list[Law] = [
     polynomials_of_the_degree_are_reproduced,
     polynomials_of_the_next_degree_are_not_reproduced,
@@ -475,6 +566,8 @@ LAWS: list[Law] = [
     the_field_is_weights_times_data,
     the_gradient_is_gradient_weights_times_data,
     the_gradient_is_the_derivative,
+    hessians_are_derivatives_of_gradients,
+    hessians_change_with_axes_and_unit,
     the_adjoint_is_the_transpose,
     the_field_and_the_adjoint_are_consistent,
     leading_axes_of_queries_are_kept,
@@ -495,6 +588,7 @@ LAWS: list[Law] = [
     nan_and_infinity_are_refused,
     wrong_shapes_are_refused,
     leave_one_out_equals_refits,
+    arrangements_are_solved_or_refused,
 ]
 
 

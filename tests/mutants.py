@@ -15,15 +15,20 @@ from scipy.spatial.distance import cdist
 import laws
 from cases import Case, case
 from fieldrecon._core import validation as valid
+from fieldrecon._numerics.jets import rows_of_jet
 from fieldrecon._numerics.neighbor_search import Nearest
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
 from fieldrecon.kernels.weights import inverse_square
+from fieldrecon.methods import moving_least_squares
 from fieldrecon.methods.least_squares import LeastSquares
-from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.moving_least_squares import LocalFit, MovingLeastSquares
+from fieldrecon.methods.partition_of_unity import blending as _blending
 from fieldrecon.methods.partition_of_unity import method as partition_of_unity
+from fieldrecon.methods.partition_of_unity import patches as _patches
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
+from fieldrecon.polynomials import monomials
 from fieldrecon.reconstruction import Field, Reconstruction
 
 LINE = case("LS degree 1 in 2-D")
@@ -56,6 +61,9 @@ class Wrapped(Reconstruction):
 
     def _gradient_rows(self, x, prepared):
         return self.right._gradient_rows(x, prepared)
+
+    def _hessian_rows(self, x, prepared):
+        return self.right._hessian_rows(x, prepared)
 
     def _weight_rows(self, x):
         return self.right._weight_rows(x)
@@ -447,6 +455,10 @@ class OtherShares(PartitionOfUnityRBF):
         with mock.patch.object(partition_of_unity, "shares", self.shares):
             return super()._gradient_rows(x, prepared)
 
+    def _hessian_rows(self, x, prepared):
+        with mock.patch.object(partition_of_unity, "shares", self.shares):
+            return super()._hessian_rows(x, prepared)
+
 
 SHARES = partition_of_unity.shares
 
@@ -455,28 +467,40 @@ class NotNormalised(OtherShares):
     """The blending weights do not sum to one."""
 
     @staticmethod
-    def shares(levels, x, gradients):
-        for share in SHARES(levels, x, gradients):
+    def shares(levels, x, order):
+        for share in SHARES(levels, x, order):
             offset = x[share.query] - share.level.patches.centers[share.patch]
             r = np.linalg.norm(offset, axis=1) / share.level.patches.radii[share.patch]
-            yield share._replace(weight=(1 - r) ** 4 * (4 * r + 1))
+            yield share._replace(weights=((1 - r) ** 4 * (4 * r + 1))[None])
 
 
 class WeightsHeldFixed(OtherShares):
     """Blends the gradients of the patches without the gradients of the weights."""
 
     @staticmethod
-    def shares(levels, x, gradients):
-        for share in SHARES(levels, x, gradients):
-            yield share._replace(gradient=0 * share.gradient)
+    def shares(levels, x, order):
+        for share in SHARES(levels, x, order):
+            rest = 0 * share.weights[1:]
+            yield share._replace(weights=np.vstack([share.weights[:1], rest]))
+
+
+class SecondDerivativesHeldFixed(OtherShares):
+    """Leaves out the second derivatives of the weights."""
+
+    @staticmethod
+    def shares(levels, x, order):
+        first = rows_of_jet(x.shape[1], 1)
+        for share in SHARES(levels, x, order):
+            rest = 0 * share.weights[first:]
+            yield share._replace(weights=np.vstack([share.weights[:first], rest]))
 
 
 class ZeroOutsideTheBalls(OtherShares):
     """Returns zero outside all balls."""
 
     @staticmethod
-    def shares(levels, x, gradients):
-        yield from islice(SHARES(levels, x, gradients), 1)
+    def shares(levels, x, order):
+        yield from islice(SHARES(levels, x, order), 1)
 
 
 class InSamplePatches(PartitionOfUnityRBF):
@@ -489,6 +513,65 @@ class InSamplePatches(PartitionOfUnityRBF):
 def patches(mutant: type[PartitionOfUnityRBF], right: Case = PATCHES) -> Case:
     """The case of small patches with a mutant."""
     return made(right, mutant.__name__, lambda p, _: mutant(p, polyharmonic(3), 1, 14))
+
+
+# --- arrangements ---------------------------------------------------------------------------------
+
+
+class LeastNormPolynomials(PartitionOfUnityRBF):
+    """Takes the polynomial of least norm over all degrees at once: a mix of 1 and x² + y² for 1."""
+
+    def __init__(self, *arguments):
+        super().__init__(*arguments)
+        for systems in (s for level in self._levels for s in level.systems):
+            for patch in systems.bases:
+                y = systems.frames(np.array([patch]))[0]
+                systems.bases[patch] = least_norm_basis(y, systems.degree)
+
+
+def least_norm_basis(y: np.ndarray, degree: int) -> np.ndarray:
+    """Coefficients (q, q) of polynomials of least norm with the same values at the sites (k, d)."""
+    _, sigma, vt = np.linalg.svd(monomials(y, degree), full_matrices=False)
+    rank = (sigma > 1e-10 * sigma[0]).sum()
+    basis = np.zeros((vt.shape[1], vt.shape[1]))
+    basis[:, :rank] = vt[:rank].T / sigma[:rank]
+    return basis
+
+
+class LeastNormParabola(LeastSquares):
+    """Takes the polynomial of least norm where the sites determine none."""
+
+    def __init__(self, points):
+        self.points, self.degree, self.interpolates = valid.as_points(points), 2, False
+
+    def _weight_rows(self, x):
+        return monomials(x, 2) @ np.linalg.pinv(monomials(self.points, 2))
+
+    _prepare, _value_rows = Reconstruction._prepare, Reconstruction._value_rows
+
+
+def made_while(right: Case, name: str, arrangement: str, where, what: str, instead) -> Case:
+    """The case on an arrangement, made while a name of a module is something else."""
+
+    def make(points, unit):
+        with mock.patch.object(where, what, instead):
+            return right.make(points, unit)
+
+    return replace(right, name=name, make=make, arrangements=(arrangement,))
+
+
+def no_outliers(*_) -> np.ndarray:
+    return np.array([], dtype=int)
+
+
+def as_they_come(keys: np.ndarray) -> np.ndarray:
+    return np.arange(keys.shape[1])
+
+
+CUBICS = case("PU r³ on 16 sites, degree 3 in 2-D")
+GAUSSIAN = case("MLS gaussian on 8 nearest, degree 1 in 2-D")
+ONE_PATCH = case("PU with one patch in 2-D")
+CIRCLE = replace(CUBICS, arrangements=("circle",))
 
 
 # --- leave one out --------------------------------------------------------------------------------
@@ -521,6 +604,48 @@ class WrongDiagonal(RBF):
 
     def inverse_diagonal(self):
         return np.ones(len(self.points))
+
+
+class HessianInTheFrame(Wrapped):
+    """Divides the second derivatives by h, here 2, once only."""
+
+    def _hessian_rows(self, x, prepared):
+        return 2 * super()._hessian_rows(x, prepared)
+
+
+class LaplacianOfTheFirstVariable(Wrapped):
+    """Leaves out the other variables."""
+
+    def _laplacian_rows(self, x, prepared):
+        return self._hessian_rows(x, prepared)[..., 0, 0]
+
+
+class HessianOfThePolynomial(MovingLeastSquares):
+    """Second derivatives of the polynomial of each fit, whose coefficients change as well."""
+
+    def _hessian_rows(self, x, prepared):
+        constant = {
+            "_log_gradient": lambda fit: 0 * fit.offset,
+            "_log_hessian": lambda fit, *_: 0 * fit.r,
+        }
+        with mock.patch.multiple(LocalFit, **constant):
+            return super()._hessian_rows(x, prepared)
+
+
+class BendOfTheWeightsForgotten(MovingLeastSquares):
+    """Takes the logarithm of the weight as linear in the squared distance."""
+
+    def _hessian_rows(self, x, prepared):
+        with mock.patch.object(moving_least_squares, "log_square_bend", lambda *args: 0 * args[1]):
+            return super()._hessian_rows(x, prepared)
+
+
+class HessianDiagonal(Wrapped):
+    """Leaves out the mixed derivatives, which only other axes show."""
+
+    def _hessian_rows(self, x, prepared):
+        hessian = super()._hessian_rows(x, prepared)
+        return hessian * np.eye(x.shape[1])
 
 
 MUTANTS: dict[Callable[[Case], None], list[Case]] = {
@@ -566,6 +691,22 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         made(PLATE, "NoLimit", lambda p, _: RBF(p, no_limit_at_the_centre())),
         patches(WeightsHeldFixed),
     ],
+    laws.hessians_are_derivatives_of_gradients: [
+        wrapped(PLATE, HessianInTheFrame),
+        wrapped(PLATE, LaplacianOfTheFirstVariable),
+        made(
+            MOVING,
+            "HessianOfThePolynomial",
+            lambda p, u: HessianOfThePolynomial(p, inverse_square(u / 10)),
+        ),
+        made(
+            MOVING,
+            "BendOfTheWeightsForgotten",
+            lambda p, u: BendOfTheWeightsForgotten(p, inverse_square(u / 10)),
+        ),
+        patches(SecondDerivativesHeldFixed),
+    ],
+    laws.hessians_change_with_axes_and_unit: [wrapped(MOVING, HessianDiagonal)],
     laws.the_adjoint_is_the_transpose: [
         wrapped(LINE, AdjointByThePseudoInverse),
         wrapped(PLATE, AdjointDividedByTheComponents),
@@ -603,5 +744,22 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         ),
         made(PLATE, "WrongDiagonal", lambda p, _: WrongDiagonal(p, thin_plate_spline())),
         patches(InSamplePatches),
+    ],
+    laws.arrangements_are_solved_or_refused: [
+        made(
+            CIRCLE,
+            "LeastNormPolynomials",
+            lambda p, _: LeastNormPolynomials(p, polyharmonic(3), 3, 16),
+        ),
+        made(
+            replace(PARABOLA, arrangements=("circle",)),
+            "LeastNormParabola",
+            lambda p, _: LeastNormParabola(p),
+        ),
+        made_while(CUBICS, "OutliersForgotten", "outlier", _patches, "_outliers", no_outliers),
+        made_while(CUBICS, "BallsAcrossGaps", "clusters", _patches, "WIDEST", np.inf),
+        made_while(CUBICS, "TiesByTheOrder", "lattice", np, "lexsort", as_they_come),
+        made_while(GAUSSIAN, "NeighborsByTheOrder", "lattice", np, "lexsort", as_they_come),
+        made_while(ONE_PATCH, "PatchesThatRefuse", "outlier", _blending, "EVEN", 0.0),
     ],
 }

@@ -4,13 +4,14 @@ import importlib
 import multiprocessing
 import pkgutil
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from inspect import isabstract
 
 import pytest
 
 import fieldrecon
 import laws
-from cases import CASES, Case, case
+from cases import ARRANGEMENTS, CASES, Case, case
 from fieldrecon.kernels.base import Radial, Scaled
 from fieldrecon.methods.globe import OnGlobe
 from fieldrecon.reconstruction import Reconstruction
@@ -42,6 +43,14 @@ def test_every_method_obeys_the_laws(case: Case):
     laws.assert_obeyed(laws.laws_about(case), case, case.name)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("case", METHODS)
+def test_every_method_on_every_arrangement(case: Case):
+    """On the arrangements that the law does not draw as well."""
+    names = tuple(name for name, a in ARRANGEMENTS.items() if case.d >= a.d)
+    laws.assert_obeyed(laws.laws_about(case)[-1:], replace(case, arrangements=names), case.name)
+
+
 @pytest.mark.parametrize(("law", "mutant"), PAIRS)
 def test_the_law_rejects_the_mutant(law, mutant: Case):
     """A wrong method violates the law that it was written for."""
@@ -62,6 +71,12 @@ def test_every_law_is_applied():
     assert {law for case in CASES for law in laws.laws_about(case)} == set(laws.LAWS)
 
 
+def test_every_method_computes_second_derivatives():
+    """No case evades the laws about them."""
+    without = {type(c.method).__name__ for c in CASES if not laws.has_second_derivatives(c)}
+    assert not without, f"define _hessian_rows in {', '.join(sorted(without))}"
+
+
 def is_law(function) -> bool:
     kinds = getattr(function, "__annotations__", {})
     return kinds.get("case") is Case and kinds["return"] is None
@@ -72,7 +87,7 @@ def test_broken_laws_are_named():
     mutants = {mutant.name: mutant for each in MUTANTS.values() for mutant in each}
     wrong = mutants["GradientInLocalCoordinates"]
     with pytest.raises(
-        ExceptionGroup, match="GradientInLocalCoordinates breaks 2 of the laws"
+        ExceptionGroup, match="GradientInLocalCoordinates breaks 3 of the laws"
     ) as broken:
         laws.assert_obeyed(laws.LAWS[:15], wrong, wrong.name)
     errors = broken.value.exceptions
@@ -80,6 +95,7 @@ def test_broken_laws_are_named():
     assert [error.__notes__ for error in errors] == [
         ["The law is gradients_of_polynomials_are_reproduced."],
         ["The law is the_gradient_is_the_derivative."],
+        ["The law is hessians_are_derivatives_of_gradients."],
     ]
 
 

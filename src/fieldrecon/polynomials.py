@@ -118,6 +118,41 @@ def monomial_gradients(x: ArrayLike, degree: int) -> np.ndarray:
     return g
 
 
+def monomial_hessians(x: ArrayLike, degree: int) -> np.ndarray:
+    """Second derivatives of the monomials, alpha_k (alpha - e_k)_l x^(alpha - e_k - e_l).
+
+    Parameters
+    ----------
+    x : (..., d) array_like
+        Points.
+    degree : int
+        Highest total degree.
+
+    Returns
+    -------
+    (..., q, d, d) ndarray
+        The symmetric matrix of second derivatives of each monomial.
+
+    Examples
+    --------
+    >>> monomial_hessians([2.0, 3.0], 3)[7]  # of x^2 y
+    array([[6., 4.],
+           [4., 0.]])
+    """
+    x = np.asarray(x, dtype=np.float64)
+    d = x.shape[-1]
+    b = monomials(x, degree)
+    h = np.zeros((*b.shape, d, d))
+    alpha, unit = exponents(d, degree), np.eye(d, dtype=int)
+    index = {tuple(a): i for i, a in enumerate(alpha)}
+    for j, a in enumerate(alpha):
+        for k in np.flatnonzero(a):
+            once = a - unit[k]
+            for m in np.flatnonzero(once):
+                h[..., j, k, m] = a[k] * once[m] * b[..., index[tuple(once - unit[m])]]
+    return h
+
+
 def monomial_laplacians(x: ArrayLike, degree: int) -> np.ndarray:
     """Laplacians of the monomials, sum_k alpha_k (alpha_k - 1) x^(alpha - 2 e_k), (..., q).
 

@@ -175,6 +175,16 @@ class Reconstruction(ABC):
         """Gradients (m, v, d)."""
         return np.stack([g @ prepared for g in self._gradient_weight_rows(x)], axis=-1)
 
+    def _hessian_rows(self, x: np.ndarray, prepared: Any) -> np.ndarray:
+        """Second derivatives (m, v, d, d)."""
+        raise NotImplementedError(
+            f"{type(self).__name__} does not compute second derivatives of its fields"
+        )
+
+    def _laplacian_rows(self, x: np.ndarray, prepared: Any) -> np.ndarray:
+        """Sums (m, v) of the second derivatives by each variable."""
+        return np.trace(self._hessian_rows(x, prepared), axis1=2, axis2=3)
+
     def _order(self, x: np.ndarray) -> np.ndarray | None:  # noqa: ARG002 - for subclasses
         """Order in which neighbouring queries (m, d) are evaluated together; None for their own."""
         return None
@@ -255,7 +265,7 @@ def weights_if_they_fit(method: Reconstruction, x: np.ndarray) -> Weights | None
 
 
 class Field:
-    """A reconstructed field: callable at points, with a gradient.
+    """A reconstructed field: callable at points, with first and second derivatives.
 
     Made by `Reconstruction.field`. Many queries are evaluated in chunks, so that the memory beyond
     inputs and outputs stays bounded.
@@ -364,6 +374,65 @@ class Field:
         d = (self.method.points.shape[1],)
         return self._evaluate(self.method._gradient_rows, x, d, executor, progress)
 
+    def hessian(
+        self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
+    ) -> np.ndarray:
+        """Exact second derivatives of the field, where it has them.
+
+        Parameters
+        ----------
+        x : (..., d) array_like
+            Queries.
+        executor : concurrent.futures.Executor, optional
+            Runs the chunks; this machine's threads by default.
+        progress : callable, optional
+            Called as progress(done, total) with numbers of queries.
+
+        Returns
+        -------
+        (..., *v, d, d) ndarray
+            The symmetric matrix of second derivatives on the last two axes.
+
+        Raises
+        ------
+        ValueError
+            As for the values, and where the field has no second derivatives (r^2 log r^2 at a
+            site).
+        numpy.linalg.LinAlgError
+            If the sites about a query do not determine the value (local methods).
+        OverflowError
+            If a derivative exceeds the range of floating-point numbers.
+        """
+        d = self.method.points.shape[1]
+        return self._evaluate(self.method._hessian_rows, x, (d, d), executor, progress, memory=d)
+
+    def laplacian(
+        self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
+    ) -> np.ndarray:
+        """Laplacian of the field, the sum of its second derivatives by each variable.
+
+        Parameters
+        ----------
+        x : (..., d) array_like
+            Queries.
+        executor : concurrent.futures.Executor, optional
+            Runs the chunks; this machine's threads by default.
+        progress : callable, optional
+            Called as progress(done, total) with numbers of queries.
+
+        Returns
+        -------
+        (..., *v) ndarray
+            The trace of the Hessian.
+
+        Raises
+        ------
+        ValueError, numpy.linalg.LinAlgError, OverflowError
+            As for `hessian`.
+        """
+        d = self.method.points.shape[1]
+        return self._evaluate(self.method._laplacian_rows, x, (), executor, progress, memory=d)
+
     def _evaluate(
         self,
         rows_of_result: Callable[[np.ndarray, Any], np.ndarray],
@@ -371,7 +440,9 @@ class Field:
         tail: tuple[int, ...],
         executor: Executor | None,
         progress: Progress | None,
+        memory: int = 1,
     ) -> np.ndarray:
+        """Rows of results in chunks; `memory` is that of a query, relative to a gradient's."""
         x = self.method._queries(x)
         queries = x.reshape(-1, x.shape[-1])
         order = self.method._order(queries)
@@ -379,7 +450,7 @@ class Field:
         columns = int(np.prod(self._shape, dtype=int))
         result = np.empty((len(queries), columns, *tail), dtype=self._dtype)
         work = partial(_evaluated, rows_of_result, self._prepared)
-        rows = self.method._chunk_rows(columns)
+        rows = max(1, self.method._chunk_rows(columns) // memory)
         for part, values in chunked(work, queries, rows, executor, progress):
             where = part if order is None else order[part]
             result[where] = valid.check_finite(values, queries[part])

@@ -122,12 +122,16 @@ class WithinRadius:
 
 
 class Nearest:
-    """Search for the k nearest sites; the (k + 1)-th sets the scale of the weight."""
+    """Search for the k nearest sites; the (k + 1)-th sets the scale of the weight.
+
+    Where distances tie, the sites' positions decide, and not their order.
+    """
 
     local = True
 
     def __init__(self, sites: np.ndarray, k: int) -> None:
-        self._tree = cKDTree(sites)
+        self._order = np.lexsort(sites.T[::-1])
+        self._tree = cKDTree(sites[self._order])
         self._k = k
 
     def typical_size(self) -> int:
@@ -137,6 +141,7 @@ class Nearest:
     def __call__(self, x: np.ndarray, without: np.ndarray | None = None) -> Neighborhood:
         """The k nearest sites, and the next one with its distance."""
         distance, index = self._tree.query(x, k=self._k + 1 + (without is not None))
+        index = self._order.take(index)
         if without is not None:
             distance, index = _dropped(distance, index, without)
         return Neighborhood(index[:, :-1], distance[:, :-1], distance[:, -1], index[:, -1])

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import rows_of
+from fieldrecon._numerics.jets import rows_of_jet, symmetric
 from fieldrecon.barycentric.polytope import KIND, Polytope
 from fieldrecon.barycentric.wachspress import ProductForm
 from fieldrecon.polynomials import EPS, Frame
@@ -50,11 +51,22 @@ class ConvexCoordinates(Reconstruction):
         self._refuse_if_too_large(len(x), d)
         g = np.empty((d, self._form.n, len(x)))
         for part in self._parts(len(x), 1 + d):
-            gradients, lost = self._form.gradients(self._heights(x[part]))
+            gradients, lost = self._form.derivatives(self._heights(x[part]), 1)
             if lost.any():
                 self._decide(x, np.flatnonzero(lost) + part.start)
-            g[:, :, part] = gradients.swapaxes(0, 1) / self._unit
+            g[:, :, part] = gradients / self._unit
         return tuple(matrix.T for matrix in g)
+
+    def _hessian_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
+        d = x.shape[1]
+        rows = rows_of_jet(d, 2)
+        entries = np.empty((rows - 1 - d, len(x), prepared.shape[1]), dtype=prepared.dtype)
+        for part in self._parts(len(x), rows):
+            derivatives, lost = self._form.derivatives(self._heights(x[part]), 2)
+            if lost.any():
+                self._decide(x, np.flatnonzero(lost) + part.start)
+            entries[:, part] = np.einsum("enm,nv->emv", derivatives[d:], prepared)
+        return symmetric(entries, d) / self._unit / self._unit
 
     def _decide(self, x: np.ndarray, queries: np.ndarray, w: np.ndarray | None = None) -> None:
         """Set the weights at corners where more than d faces meet; refuse any other query."""

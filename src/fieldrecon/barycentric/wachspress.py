@@ -13,6 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fieldrecon._numerics.jets import product, quotient, rows_of_jet
 from fieldrecon.polynomials import EPS
 
 # Number of heights of size one whose product cannot underflow.
@@ -20,6 +21,9 @@ _FEW = 16
 
 # A sum this small relative to its terms is rounding.
 _ROUNDING = 64 * EPS
+
+# Number of variables by the number of rows of a jet.
+_VARIABLES = {rows_of_jet(d, order): d for d in (2, 3) for order in (1, 2)}
 
 # Exponent of zero: it and sums of many such are below the exponents of all numbers.
 _NONE = -(2**40)
@@ -65,24 +69,24 @@ class ProductForm:
         np.divide(w, np.where(lost, 1.0, total) if lost.any() else total, out=out)
         return lost
 
-    def gradients(self, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Gradients (n, d, m) of the weights of sum one, and where (m,) the sum vanishes.
+    def derivatives(self, h: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray]:
+        """Derivatives (c, n, m) of the weights of sum one, and where (m,) the sum vanishes.
 
-        By the product rule. The gradient of the largest weight follows from the sum zero of all
-        gradients: where more than d faces meet, its own terms would cancel.
+        The rows are those of a jet below its values. The derivatives of the largest weight follow
+        from the sum zero of all: where more than d faces meet, its own terms would cancel.
         """
-        m = h.shape[1]
-        slopes = np.broadcast_to(-self.normals[..., None], (*self.normals.shape, m))
-        w = self._summed(np.concatenate([h[:, None], slopes], axis=1))
-        total = w.sum(axis=0)
-        lost = ~(np.abs(total[0]) > _ROUNDING * np.abs(w[:, 0]).sum(axis=0))
+        (f, d), m = self.normals.shape, h.shape[1]
+        jets = np.zeros((f, rows_of_jet(d, order), m))  # heights are linear
+        jets[:, 0], jets[:, 1 : 1 + d] = h, -self.normals[..., None]
+        w = self._summed(jets).swapaxes(0, 1)
+        total = w.sum(axis=1)
+        lost = ~(np.abs(total[0]) > _ROUNDING * np.abs(w[0]).sum(axis=0))
         total[0, lost] = 1.0
-        share = w[:, 0] / total[0]
-        g = (w[:, 1:] - share[:, None] * total[1:]) / total[0]
-        largest = np.abs(share).argmax(axis=0)[None, None]
-        np.put_along_axis(g, largest, 0.0, axis=0)
-        np.put_along_axis(g, largest, -g.sum(axis=0, keepdims=True), axis=0)
-        return g, lost
+        share = quotient(w, total[:, None], d)
+        result, largest = share[1:], np.abs(share[:1]).argmax(axis=1)[:, None]
+        np.put_along_axis(result, largest, 0.0, axis=1)
+        np.put_along_axis(result, largest, -result.sum(axis=1, keepdims=True), axis=1)
+        return result, lost
 
     def _summed(self, leaves: np.ndarray) -> np.ndarray:
         """Sums (n, c, m) of the terms of each corner, in a unit of each query's own."""
@@ -109,7 +113,7 @@ class _Products:
 
     The factors are the leaves n ... 2n - 1, and node k is the product of nodes 2k and 2k + 1. The
     product without some leaves multiplies the largest nodes that are above none of them. A factor
-    is a value (1, m), or a value and its gradient (1 + d, m), multiplied by the product rule.
+    is a jet: a value (1, m), perhaps with its derivatives, multiplied by the product rule.
     """
 
     def __init__(self, n: int, omitted: np.ndarray) -> None:
@@ -166,8 +170,9 @@ def _multiplied(factors: list[np.ndarray], out: np.ndarray) -> None:
 
 
 def _times(u: np.ndarray, v: np.ndarray, out: np.ndarray) -> np.ndarray:
-    """Product u v, and its gradient u grad v + v grad u below it."""
+    """Product u v of jets (c, m)."""
     if len(u) > 1:
-        out[1:] = u[1:] * v[:1] + u[:1] * v[1:]
+        out[:] = product(u, v, _VARIABLES[len(u)])
+        return out
     np.multiply(u[:1], v[:1], out=out[:1])
     return out

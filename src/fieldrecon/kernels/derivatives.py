@@ -11,6 +11,7 @@ import math
 import numpy as np
 from scipy.special import gamma
 
+from fieldrecon._numerics.jets import upper_pairs
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.conditionally_positive_definite import (
     multiquadric,
@@ -59,6 +60,47 @@ def radial_derivative(kernel: Radial, s: np.ndarray, times: int) -> np.ndarray:
         case polyharmonic():
             return _of_half_powers(kernel, s, times)
     raise ValueError(f"the higher derivatives of {kernel!r} are not known")
+
+
+def second_derivatives(kernel: Radial, offsets: list[np.ndarray]) -> tuple[np.ndarray, ...]:
+    """Second derivatives of phi(|z|), phi_1 delta_kl + phi_2 z_k z_l, for k, l of `upper_pairs`.
+
+    Parameters
+    ----------
+    kernel : Radial
+        The function phi.
+    offsets : list of d ndarrays
+        The components of z.
+
+    Returns
+    -------
+    tuple of d (d + 1)/2 ndarrays
+        Of the shape of a component.
+    """
+    s = sum(z * z for z in offsets)
+    first, second = (radial_derivative(kernel, s, times) for times in (1, 2))
+    return tuple(
+        second * offsets[k] * offsets[m] + (first if k == m else 0.0)
+        for k, m in upper_pairs(len(offsets))
+    )
+
+
+def laplacian(kernel: Radial, s: np.ndarray, d: int) -> np.ndarray:
+    """Laplacian d phi_1 + s phi_2 of phi(|x|) in d variables, at s = |x|^2."""
+    return d * radial_derivative(kernel, s, 1) + s * radial_derivative(kernel, s, 2)
+
+
+def log_square_bend(weight: Radial, r: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """Factor psi_2 (m, k) in the second derivatives psi_1 I + psi_2 x x^T of log w(|x|)^2.
+
+    psi_1 is `log_square_slope`, and psi_2 = 2 (phi_2/phi - (phi_1/phi)^2). It is zero where the
+    relative weight w (m, k) is, and at a site of infinite weight, where x = 0.
+    """
+    with np.errstate(all="ignore"):
+        value = weight(r)
+        first, second = (radial_derivative(weight, r * r, times) / value for times in (1, 2))
+        bend = 2 * (second - first**2)
+    return np.where((w > 0) & np.isfinite(bend), bend, 0.0)
 
 
 def _of_power(beta: float, base: np.ndarray, times: int) -> np.ndarray:

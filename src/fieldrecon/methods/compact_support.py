@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from fieldrecon._numerics.saddle_point import SparseSaddlePoint, entries_of_factor
 from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.derivatives import laplacian, second_derivatives
 from fieldrecon.methods.solvability import refuse_beyond_memory
 
 
@@ -49,6 +50,17 @@ class NearPairs:
             slice(None),
             tuple(self._matrix(i, j, slope * offsets[:, k], len(x)) for k in range(x.shape[1])),
         )
+
+    def hessians(self, x: np.ndarray) -> Iterator[tuple[slice, tuple[sparse.csr_array, ...]]]:
+        """All sites, and the second derivatives, d (d + 1)/2 matrices by `upper_pairs`."""
+        i, j, offsets, _ = self._near(x)
+        entries = second_derivatives(self.kernel, list(offsets.T))
+        yield slice(None), tuple(self._matrix(i, j, entry, len(x)) for entry in entries)
+
+    def laplacians(self, x: np.ndarray) -> Iterator[tuple[slice, sparse.csr_array]]:
+        """All sites, and the Laplacian of the kernel at the queries."""
+        i, j, _, squared = self._near(x)
+        yield slice(None), self._matrix(i, j, laplacian(self.kernel, squared, x.shape[1]), len(x))
 
     def bytes_per_query(self) -> float:
         """Working memory of one query among the sites."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
+from fieldrecon._numerics.jets import upper_pairs
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.derivatives import radial_derivative
 from fieldrecon.polynomials import (
@@ -108,6 +109,41 @@ class Functionals:
         total += (along * others.laplacian - c * against) * slope
         bilaplacian = d * (d + 2) * phi[2] + 2 * (d + 2) * s * phi[3] + s * s * phi[4]
         return total + c * others.laplacian * bilaplacian
+
+    def kernel_hessians(self, x: np.ndarray, kernel: Radial) -> tuple[np.ndarray, ...]:
+        """Second derivatives by x of M_j phi(|x - y|), for these functionals M of y.
+
+        Parameters
+        ----------
+        x : (m, d) ndarray
+            Points.
+        kernel : Radial
+            The function phi, with two derivatives more than the functionals need.
+
+        Returns
+        -------
+        tuple of d (d + 1)/2 matrices (m, n)
+            In the order of `upper_pairs`. With z = x - y, psi = d phi_1 + |z|^2 phi_2 the
+            Laplacian, and a, b, c the factors of the functional, they are the entries of
+
+            (a phi_1 - phi_2 b.z + c psi_1) I + (a phi_2 - phi_3 b.z + c psi_2) z z^T
+            - phi_2 (b z^T + z b^T).
+        """
+        d = x.shape[1]
+        z = [x[:, k, None] - self.points[:, k] for k in range(d)]
+        s = sum(offset * offset for offset in z)
+        top = 2 + self.order
+        phi = [np.zeros_like(s) if j > top else radial_derivative(kernel, s, j) for j in range(5)]
+        along = sum(self.gradient[:, k] * offset for k, offset in enumerate(z))
+        psi = (d + 2) * phi[2] + s * phi[3], (d + 4) * phi[3] + s * phi[4]
+        of_unit = self.value * phi[1] - along * phi[2] + self.laplacian * psi[0]
+        of_square = self.value * phi[2] - along * phi[3] + self.laplacian * psi[1]
+        return tuple(
+            (of_unit if k == m else 0.0)
+            + of_square * z[k] * z[m]
+            - phi[2] * (self.gradient[:, k] * z[m] + self.gradient[:, m] * z[k])
+            for k, m in upper_pairs(d)
+        )
 
 
 def values_at(points: ArrayLike) -> Functionals:

@@ -71,7 +71,8 @@ class OnGlobe(Reconstruction):
     s(l, b) = t(u(l, b)) with u as in `to_unit`. The components of the gradient are the
     derivatives by a degree of longitude and by a degree of latitude, which are not lengths: the
     derivative by the distance to the east is (180 / (pi R cos b)) times the first, to the north
-    (180 / (pi R)) times the second, with R the radius.
+    (180 / (pi R)) times the second, with R the radius. The Hessian has the second derivatives by
+    degrees; the Laplacian is that of the unit sphere (Laplace-Beltrami), to be divided by R^2.
 
     Parameters
     ----------
@@ -144,6 +145,21 @@ class OnGlobe(Reconstruction):
         gradients = self.method._gradient_rows(to_unit(x), prepared)
         return np.einsum("mvk,mkj->mvj", gradients, _tangents(x))
 
+    def _hessian_rows(self, x: np.ndarray, prepared: object) -> np.ndarray:
+        u, tangents = to_unit(x), _tangents(x)
+        gradients = self.method._gradient_rows(u, prepared)
+        hessians = self.method._hessian_rows(u, prepared)
+        bent = np.einsum("mki,mvkl,mlj->mvij", tangents, hessians, tangents)
+        return bent + np.einsum("mvk,mkij->mvij", gradients, _curvatures(x))
+
+    def _laplacian_rows(self, x: np.ndarray, prepared: object) -> np.ndarray:
+        """That in space, less those of the radius: Lap t - u^T H u - 2 u . grad t."""
+        u = to_unit(x)
+        hessians = self.method._hessian_rows(u, prepared)
+        along = np.einsum("mk,mvkl,ml->mv", u, hessians, u)
+        slope = np.einsum("mk,mvk->mv", u, self.method._gradient_rows(u, prepared))
+        return np.trace(hessians, axis1=2, axis2=3) - along - 2 * slope
+
     def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
         return self.method._adjoint(to_unit(x), f)
 
@@ -168,6 +184,17 @@ def _tangents(lonlat: np.ndarray) -> np.ndarray:
     east = np.stack([-cos_lat * sin_lon, cos_lat * cos_lon, zero], axis=1)
     north = np.stack([-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat], axis=1)
     return np.radians(np.stack([east, north], axis=2))
+
+
+def _curvatures(lonlat: np.ndarray) -> np.ndarray:
+    """Second derivatives (m, 3, 2, 2) of the unit vectors by degrees of longitude and latitude."""
+    lon, lat = lonlat.T
+    (cos_lon, sin_lon), (cos_lat, sin_lat) = _cos_sin(lon), _cos_sin(lat)
+    zero = np.zeros_like(lon)
+    east = np.stack([-cos_lat * cos_lon, -cos_lat * sin_lon, zero], axis=1)
+    mixed = np.stack([sin_lat * sin_lon, -sin_lat * cos_lon, zero], axis=1)
+    matrix = np.stack([east, mixed, mixed, -to_unit(lonlat)], axis=2).reshape(-1, 3, 2, 2)
+    return np.radians(1.0) ** 2 * matrix
 
 
 def _cos_sin(degrees: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -10,10 +10,17 @@ from numpy.typing import ArrayLike
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import rows_of
 from fieldrecon._core.duplicates import coincidence_labels
+from fieldrecon._numerics.jets import symmetric
 from fieldrecon._numerics.saddle_point import SaddlePoint
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.derivatives import smoothness
-from fieldrecon.methods.functionals import Functionals, derivatives_at, together, values_at
+from fieldrecon.methods.functionals import (
+    Functionals,
+    derivatives_at,
+    laplacians_at,
+    together,
+    values_at,
+)
 from fieldrecon.methods.solvability import (
     as_augmentation,
     as_finite,
@@ -22,7 +29,7 @@ from fieldrecon.methods.solvability import (
     refuse_beyond_memory,
     within_range,
 )
-from fieldrecon.polynomials import Frame, require_unisolvent
+from fieldrecon.polynomials import Frame, monomial_hessians, require_unisolvent
 from fieldrecon.reconstruction import Field, Reconstruction
 
 
@@ -139,13 +146,16 @@ class HermiteRBF(Reconstruction):
         asked = together(functionals)
         if asked.points.shape[1] != self.points.shape[1]:
             raise ValueError("functionals must be of functions of as many variables as the points")
+        self._require_derivatives(asked.order)
+        return asked
+
+    def _require_derivatives(self, order: int) -> None:
         reach = smoothness(self.kernel) - self.functionals.order
-        if asked.order > reach:
+        if order > reach:
             raise ValueError(
                 f"a field of {self.kernel!r} and these data has {reach} continuous derivatives; "
-                f"asked for order {asked.order}"
+                f"asked for order {order}"
             )
-        return asked
 
     def _of_kernel(self, local: Functionals) -> np.ndarray:
         return valid.quiet_evaluate(local.of_kernel, self._local, self._unit_kernel)
@@ -163,13 +173,10 @@ class HermiteRBF(Reconstruction):
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
         d = x.shape[1]
         self._refuse_if_too_large(len(x), 8 * d)
-        self._refuse_no_gradient()
+        self._require_derivatives(1)
         if not len(x):
             return (np.zeros((0, len(self.points))),) * d
         return tuple(self._weights_of(derivatives_at(x, axis)) for axis in np.eye(d))
-
-    def _refuse_no_gradient(self) -> None:
-        self._as_asked(derivatives_at(self.points[:1], np.ones(self.points.shape[1])))
 
     def _prepare(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         values = values / self._size[:, None]
@@ -187,10 +194,23 @@ class HermiteRBF(Reconstruction):
         return self._applied(values_at(x), prepared)
 
     def _gradient_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-        self._refuse_no_gradient()
+        self._require_derivatives(1)
         axes = np.eye(x.shape[1])
         columns = [self._applied(derivatives_at(x, axis), prepared) for axis in axes]
         return np.stack(columns, axis=-1)
+
+    def _hessian_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        self._require_derivatives(2)
+        lam, c = prepared
+        local = self._frame.local(x)
+        entries = self._local.kernel_hessians(local, self._unit_kernel)
+        total = symmetric([entry @ lam for entry in entries], x.shape[1])
+        total += np.einsum("mqkl,qv->mvkl", monomial_hessians(local, self.degree), c)
+        return total / self._frame.scale / self._frame.scale
+
+    def _laplacian_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        self._require_derivatives(2)
+        return self._applied(laplacians_at(x), prepared)
 
     def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
         moments = np.zeros((len(self.points), f.shape[1]), dtype=f.dtype)

@@ -1,8 +1,8 @@
 """Kernel matrices between queries and sites, in blocks: dense, or sparse for compact support.
 
-Both classes have the same methods: `values(x)` yields parts of the sites with phi(|x_i - p_j|), and
-`gradients(x)` yields them with its derivatives by each variable of x, as matrices (m, sites of the
-part).
+Both classes have the same methods: `values(x)` yields parts of the sites with phi(|x_i - p_j|),
+`gradients(x)` yields them with its derivatives by each variable of x, `hessians(x)` with its second
+derivatives, and `laplacians(x)` with the sum of these, as matrices (m, sites of the part).
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import chunked, rows_of
 from fieldrecon._numerics.saddle_point import SaddlePoint, entries_of_factor
 from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.derivatives import laplacian, second_derivatives
 from fieldrecon.methods.compact_support import NearPairs
 from fieldrecon.methods.solvability import refuse_beyond_memory, within_range
 
@@ -77,6 +78,18 @@ class AllPairs:
                 part,
                 tuple(slope * (x[:, k, None] - self.sites[part, k]) for k in range(x.shape[1])),
             )
+
+    def hessians(self, x: np.ndarray) -> Iterator[tuple[slice, tuple[Block, ...]]]:
+        """Parts of the sites, and the second derivatives, d (d + 1)/2 matrices by `upper_pairs`."""
+        for part in tiles(len(self.sites)):
+            offsets = [x[:, k, None] - self.sites[part, k] for k in range(x.shape[1])]
+            yield part, second_derivatives(self.kernel, offsets)
+
+    def laplacians(self, x: np.ndarray) -> Iterator[tuple[slice, Block]]:
+        """Parts of the sites, and the Laplacian of the kernel at the queries."""
+        for part in tiles(len(self.sites)):
+            squared = cdist(x, self.sites[part], "sqeuclidean")
+            yield part, laplacian(self.kernel, squared, x.shape[1])
 
     def bytes_per_query(self) -> float:
         """Working memory of one query."""

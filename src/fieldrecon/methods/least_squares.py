@@ -14,6 +14,7 @@ from fieldrecon.polynomials import (
     dimension,
     exponents,
     monomial_gradients,
+    monomial_hessians,
     monomials,
     powers_of_scale,
     refuse_too_few,
@@ -186,6 +187,11 @@ class LeastSquares(Reconstruction):
     def _gradient_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
         slopes = monomial_gradients(self._frame.local(x), self.degree)
         return np.einsum("mqd,qv->mvd", slopes, prepared) / self._frame.scale
+
+    def _hessian_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
+        bends = monomial_hessians(self._frame.local(x), self.degree)
+        total = np.einsum("mqkl,qv->mvkl", bends, prepared)
+        return total / self._frame.scale / self._frame.scale
 
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
         self._refuse_if_too_large(len(x))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,7 @@ from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, rows_of
 from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._core.validation import format_point
+from fieldrecon._numerics.jets import upper_pairs
 from fieldrecon._numerics.neighbor_search import (
     AllSites,
     Nearest,
@@ -29,12 +30,14 @@ from fieldrecon._numerics.weighted_least_squares import (
     weights_of_changing_weights,
 )
 from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.derivatives import log_square_bend, smoothness
 from fieldrecon.kernels.weights import as_weight, inverse_square, log_square_slope, relative_weights
 from fieldrecon.methods.least_squares import ACCURATE, half_sum_of_squares, monomial_matrix
 from fieldrecon.polynomials import (
     EPS,
     Frame,
     dimension,
+    monomial_hessians,
     monomials,
     power_of_two_above,
     refuse_too_few,
@@ -270,6 +273,11 @@ class MovingLeastSquares(Reconstruction):
         data = prepared.take(fit.near.index, axis=0)
         return np.einsum("mkd,mkv->mvd", fit.gradient_weights(), data) / self.unit
 
+    def _hessian_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
+        fit = LocalFit(self, x)
+        data = prepared.take(fit.near.index, axis=0)
+        return fit.hessians(data) / self.unit / self.unit
+
     def _weight_rows(self, x: np.ndarray) -> Weights:
         if not self.search.local:
             self._refuse_if_too_large(len(x))
@@ -390,17 +398,86 @@ class LocalFit:
             return change
         return c[:, 1 : d + 1].mT / self.size[..., None] + change
 
+    def hessians(self, data: np.ndarray) -> np.ndarray:
+        """Second derivatives (m, v, d, d) by x, per unit of the cloud's size, for data (m, k, v).
+
+        With c(x) the coefficients of the polynomial about a fixed origin, b the basis there, r the
+        residuals, and g = D log w^2, the derivatives of the normal equations are
+
+            D_k c = C (g_k r),
+            D_kl c = C ((D_kl log w^2 + g_k g_l) r - g_k B D_l c - g_l B D_k c),
+
+        and those of s = b(x)^T c are D_kl s = c_kl + D_k c_l + D_l c_k + D_kl c_0.
+        """
+        self._refuse_a_rough_weight()
+        d, q = self.offset.shape[-1], self.basis.shape[-1]
+        c = self.coefficient_weights(q)
+        r = residuals(c, self.basis, self.weight, data)
+        g = self._log_gradient()
+        moved = [c @ (g[..., k, None] * r) for k in range(d)]  # D_k c, (m, q, v)
+        of_origin = monomial_hessians(np.zeros(d), self.method.degree)  # of b, (q, d, d)
+        result = np.empty((len(r), data.shape[2], d, d), dtype=data.dtype)
+        for k, j in upper_pairs(d):
+            change = (self._log_hessian(k, j) + g[..., k] * g[..., j])[..., None] * r
+            change -= g[..., k, None] * (self.basis @ moved[j])
+            change -= g[..., j, None] * (self.basis @ moved[k])
+            second = (c[:, :1] @ change)[:, 0]
+            if q > 1:
+                second += (moved[k][:, 1 + j] + moved[j][:, 1 + k]) / self.size
+            second += (of_origin[:, k, j] @ (c @ data)) / self.size**2
+            result[..., k, j] = result[..., j, k] = second
+        return result
+
+    def _refuse_a_rough_weight(self) -> None:
+        at_site = ((self.near.distance == 0) & (self.weight > 0)).any(axis=1)
+        if at_site.any() and smoothness(self.method.weight) < 2:
+            where = format_point(self.x[np.argmax(at_site)])
+            raise ValueError(
+                f"{self.method.weight!r} has no second derivatives at a site, and the query "
+                f"({where}) is one"
+            )
+
     def _log_gradient(self) -> np.ndarray:
         """Gradient of log w_i^2 by x, (m, k, d), per unit of the cloud's size."""
-        slope = log_square_slope(self.scaled_weight, self.r, self.weight)[..., None]
+        slope = log_square_slope(self.scaled_weight, self.r, self.weight)
+        return slope[..., None] / 2 * self._ratio_gradient
+
+    def _log_hessian(self, k: int, j: int) -> np.ndarray:
+        """Second derivative (m, k) of log w_i^2 by the variables k and j of x."""
+        slope = log_square_slope(self.scaled_weight, self.r, self.weight)
+        bend = log_square_bend(self.scaled_weight, self.r, self.weight)
+        ratio = self._ratio_gradient
+        return slope / 2 * self._ratio_hessian(k, j) + bend / 4 * ratio[..., k] * ratio[..., j]
+
+    # The weight is a function of the squared distance, or of its ratio to rho^2, which moves too.
+
+    @cached_property
+    def _ratio_gradient(self) -> np.ndarray:
+        """Gradient (m, k, d) by x of the squared distance, or of r^2 / rho^2."""
         offset = self.offset * self.size[..., None]
-        if self.near.reach is None or self.near.reach_index is None:
-            return -slope * offset
-        # w(r / rho): rho moves with x as well
-        rho = np.where(self.near.reach > 0, self.near.reach, 1.0)[:, None, None]
-        local = self.x / self.method.unit
-        to_reach = (self.method.sites[self.near.reach_index] - local)[:, None, :]
-        return -slope * (offset - self.r[..., None] ** 2 * to_reach) / rho**2
+        if self.near.reach_index is None:
+            return -2 * offset
+        return 2 * (self.r[..., None] ** 2 * self._to_reach - offset) / self._rho_squared[..., None]
+
+    def _ratio_hessian(self, k: int, j: int) -> np.ndarray | float:
+        """Second derivative (m, k) by the variables k and j of what `_ratio_gradient` is of."""
+        unit = 2.0 * (k == j)
+        if self.near.reach_index is None:
+            return unit
+        ratio, to = self._ratio_gradient, self._to_reach
+        mixed = ratio[..., k] * to[..., j] + ratio[..., j] * to[..., k]
+        return (unit * (1 - self.r**2) + 2 * mixed) / self._rho_squared
+
+    @property
+    def _to_reach(self) -> np.ndarray:
+        """Offsets (m, 1, d) of the sites at the distances rho."""
+        return (self.method.sites[self.near.reach_index] - self.x / self.method.unit)[:, None, :]
+
+    @property
+    def _rho_squared(self) -> np.ndarray:
+        """Squared scales (m, 1) of the distances; one where all sites coincide with the query."""
+        reach = np.asarray(self.near.reach)
+        return np.where(reach > 0, reach, 1.0)[:, None] ** 2
 
     def _tolerance(self) -> np.ndarray:
         """Rounding (m,) of the offsets relative to their size; smaller singular values are zero."""

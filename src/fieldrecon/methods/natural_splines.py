@@ -203,6 +203,13 @@ class NaturalCubicSpline(Reconstruction):
         of_values, of_moments = self._slope_matrices(x)
         return (of_values @ prepared[0] + of_moments @ prepared[1])[..., None]
 
+    def _hessian_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        """Between two sites (1 - u) M_i + u M_(i+1); zero beyond the outer ones, where M = 0."""
+        i, _, u = self._intervals(x)
+        v = np.clip(u, 0.0, 1.0)
+        bend = self._two_columns(i, 1 - v, v) @ prepared[1]
+        return (bend / self._frame.scale / self._frame.scale)[..., None, None]
+
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
         self._refuse_if_too_large(max(len(x), len(self.points)))
         return self._value_rows(x, self._prepare(np.eye(len(self.points))))
@@ -266,6 +273,10 @@ class NaturalSpline(Field):
     def gradient(self, x: ArrayLike, **options: object) -> np.ndarray:
         """Derivative s'(x), of the shape of x before that of a datum; options as for values."""
         return super().gradient(x, **options)[..., 0][()]  # type: ignore[arg-type]
+
+    def hessian(self, x: ArrayLike, **options: object) -> np.ndarray:
+        """Second derivative s''(x), of the same shape as the derivative."""
+        return super().hessian(x, **options)[..., 0, 0][()]  # type: ignore[arg-type]
 
 
 def _moment_matrix(h: np.ndarray) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +13,7 @@ from scipy.spatial.distance import cdist
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, rows_of
+from fieldrecon._numerics.jets import symmetric, upper_pairs
 from fieldrecon.kernels.base import Radial
 from fieldrecon.methods.kernel_matrices import Block, dense, pairs_of, tiles
 from fieldrecon.methods.least_squares import LeastSquares, monomial_matrix
@@ -21,6 +23,7 @@ from fieldrecon.methods.solvability import (
     as_kernel,
     refuse_a_miss,
     refuse_duplicates,
+    refuse_no_hessian,
     refuse_sites,
     unit_smoothing,
 )
@@ -28,6 +31,8 @@ from fieldrecon.polynomials import (
     Frame,
     dimension,
     monomial_gradients,
+    monomial_hessians,
+    monomial_laplacians,
     monomials,
     powers_of_scale,
     refuse_too_few,
@@ -96,7 +101,6 @@ class RBF(Reconstruction):
         require_unisolvent(self.points, p, self.degree)
         if self.interpolates:
             refuse_duplicates(self.points)
-        self._corners = None if kernel.differentiable else cKDTree(self.points)
         sites = self.points / self._frame.scale
         self._pairs = pairs_of(sites, as_finite(kernel.in_units(self._frame.scale)))
         smoothing = unit_smoothing(self.smoothing, kernel, self._frame.scale)
@@ -175,6 +179,10 @@ class RBF(Reconstruction):
     def _require_squares(self, what: str) -> None:
         powers_of_scale(self._frame.scale, np.array([2, self.kernel.homogeneity]), what)
 
+    @cached_property
+    def _site_tree(self) -> cKDTree:
+        return cKDTree(self.points)
+
     def _kernel_sum(self, lam: np.ndarray) -> np.ndarray:
         total = np.zeros_like(lam)
         for part, values in type(self._pairs)(self.points, self.kernel).values(self.points):
@@ -206,9 +214,30 @@ class RBF(Reconstruction):
                 total[..., k] += slope @ lam[part]
         return total / self._frame.scale
 
+    def _hessian_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        lam, c = prepared
+        refuse_no_hessian(self.kernel, x, self._site_tree)
+        entries = [
+            np.zeros((len(x), lam.shape[1]), dtype=lam.dtype) for _ in upper_pairs(x.shape[1])
+        ]
+        for part, blocks in self._pairs.hessians(x / self._frame.scale):
+            for entry, block in zip(entries, blocks, strict=True):
+                entry += block @ lam[part]
+        of_basis = monomial_hessians(self._frame.local(x), self.degree)
+        total = symmetric(entries, x.shape[1]) + np.einsum("mqkl,qv->mvkl", of_basis, c)
+        return total / self._frame.scale / self._frame.scale
+
+    def _laplacian_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        lam, c = prepared
+        refuse_no_hessian(self.kernel, x, self._site_tree)
+        total = monomial_laplacians(self._frame.local(x), self.degree) @ c
+        for part, values in self._pairs.laplacians(x / self._frame.scale):
+            total += values @ lam[part]
+        return total / self._frame.scale / self._frame.scale
+
     def _gradients(self, x: np.ndarray) -> Iterator[tuple[slice, tuple[Block, ...]]]:
-        if self._corners is not None:
-            refuse_sites(self.kernel, x, self._corners)
+        if not self.kernel.differentiable:
+            refuse_sites(self.kernel, x, self._site_tree)
         return self._pairs.gradients(x / self._frame.scale)
 
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from fieldrecon._core import validation as valid
 from fieldrecon._core.duplicates import refuse_coincident
 from fieldrecon._core.memory import memory_limit
 from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.derivatives import smoothness
 from fieldrecon.polynomials import EPS, powers_of_scale
 
 TOLERATED_MISS = 1e-2
@@ -80,12 +81,22 @@ def refuse_beyond_memory(n: int, entries: float | None = None) -> None:
         )
 
 
-def refuse_sites(kernel: Radial, x: np.ndarray, sites: cKDTree) -> None:
-    """Refuse queries at sites, where a field of this kernel has no gradient."""
+def refuse_sites(
+    kernel: Radial, x: np.ndarray, sites: cKDTree, derivative: str = "gradient"
+) -> None:
+    """Refuse queries at sites, where a field of this kernel has no such derivative."""
     distance, _ = sites.query(x)
     if (distance == 0).any():
         where = valid.format_point(x[int(np.argmin(distance))])
-        raise ValueError(f"{kernel!r} has no gradient at a site, and the query ({where}) is one")
+        raise ValueError(
+            f"{kernel!r} has no {derivative} at a site, and the query ({where}) is one"
+        )
+
+
+def refuse_no_hessian(kernel: Radial, x: np.ndarray, sites: cKDTree) -> None:
+    """Refuse queries at sites, where a field of a rough kernel has no second derivatives."""
+    if smoothness(kernel) < 2:
+        refuse_sites(kernel, x, sites, "second derivatives")
 
 
 def refuse_a_miss(lam: np.ndarray, phi: np.ndarray, values: np.ndarray) -> None:

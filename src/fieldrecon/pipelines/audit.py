@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Stages, silent
 from fieldrecon.io.meshes import read_triangles
 from fieldrecon.triangles.audit import MeshAudit, audit_mesh
@@ -82,6 +83,8 @@ def audit_file(request: AuditRequest, *, stages: Stages = silent) -> AuditResult
     FileNotFoundError
         If there is no such file.
     """
+    if request.tolerance is not None:
+        valid.as_length(request.tolerance, "tolerance", zero_allowed=True)
     points, triangles = read_triangles(request.mesh)
     progress = stages("looking for self-intersections")
     if not request.repair:

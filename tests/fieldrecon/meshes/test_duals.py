@@ -136,5 +136,5 @@ def test_the_table_shows_the_three_cases_of_the_slides(result):
 
 def test_invalid_parameters_are_refused():
     """The message names the parameter and what is wanted."""
-    with pytest.raises(ValueError, match=r"jitter must be below 1; got 1"):
+    with pytest.raises(ValueError, match=r"jitter must be 0 or more and less than 1; got 1"):
         replace(duals.QUICK, jitter=1.0)

@@ -113,6 +113,23 @@ def test_gradients_equal_central_differences_per_degree(method):
 
 
 @each_method
+def test_second_derivatives_are_derivatives_of_gradients(method):
+    """Against differences of the gradients, by degrees of longitude and latitude."""
+    field, h = method.field(smooth(SITES)), 1e-4
+    inner = QUERIES[abs(QUERIES[:, 1]) < 89]
+    steps = [
+        (field.gradient(inner + e) - field.gradient(inner - e)) / (2 * h) for e in h * np.eye(2)
+    ]
+    np.testing.assert_allclose(field.hessian(inner), np.stack(steps, axis=-1), atol=1e-8)
+
+
+def test_the_laplacian_is_that_of_the_sphere():
+    """Harmonics a.u of degree 1, which are reproduced, have the Laplacian -1 (1 + 1) a.u."""
+    field = OnGlobe(SITES, lambda u: fr.RBF(u, fr.polyharmonic(3))).field(to_unit(SITES))
+    np.testing.assert_allclose(field.laplacian(QUERIES), -2 * to_unit(QUERIES), atol=1e-8)
+
+
+@each_method
 def test_fields_gradients_and_adjoints_agree_with_the_weights(method):
     """Weights may be dense or sparse."""
     values = np.column_stack([smooth(SITES), SITES[:, 0]])

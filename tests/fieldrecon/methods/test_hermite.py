@@ -168,6 +168,8 @@ def functionals_of_the_field_equal_difference_quotients(method: HermiteRBF) -> N
     laplacian = np.trace(second, axis1=1, axis2=2)
     size = np.abs(laplacian).max()
     assert_close(s.apply(laplacians_at(QUERIES)) / size, laplacian / size, 1e-4)
+    assert_close(s.laplacian(QUERIES), s.apply(laplacians_at(QUERIES)), 0.0)
+    assert_close(s.hessian(QUERIES) / size, second / size, 1e-4)
 
 
 def the_energy_is_positive_and_increases_with_the_data(method: HermiteRBF) -> None:

@@ -33,6 +33,7 @@ def the_spline_equals_scipy_s_inside(method) -> None:
     s = method.field(VALUES)
     assert_close(s(INSIDE), reference(INSIDE), EXACT)
     assert_close(s.gradient(INSIDE), reference(INSIDE, 1), 100 * EXACT)
+    assert_close(s.hessian(INSIDE), reference(INSIDE, 2), 1e4 * EXACT)
 
 
 def the_spline_is_linear_outside(method) -> None:
@@ -41,6 +42,7 @@ def the_spline_is_linear_outside(method) -> None:
     for end, x in ((SITES.min(), OUTSIDE[:2]), (SITES.max(), OUTSIDE[2:])):
         assert_close(s(x), s(end) + s.gradient(end) * (x - end), EXACT * 100)
         assert_close(s.gradient(x), np.full(2, s.gradient(end)), EXACT * 100)
+        assert_close(s.hessian(x), np.zeros(2), 0.0)
 
 
 def the_spline_is_twice_differentiable(method) -> None:
@@ -251,6 +253,7 @@ def test_sites_and_queries_have_no_coordinate_axis():
     s = METHOD.field(np.stack([VALUES, -VALUES], axis=1))
     assert s(0.5).shape == s.gradient(0.5).shape == (2,)
     assert s(np.zeros((3, 4))).shape == s.gradient(np.zeros((3, 4))).shape == (3, 4, 2)
+    assert s.hessian(0.5).shape == s.laplacian(0.5).shape == (2,)
     assert METHOD.weights([0.1, 0.2]).shape == (2, len(SITES))
     assert METHOD.adjoint([0.1, 0.2], [1.0, 2.0]).shape == (len(SITES),)
     assert METHOD.energy(np.stack([VALUES, 2j * VALUES], axis=1)).shape == (2,)

@@ -246,6 +246,18 @@ def test_a_gradient_that_does_not_exist_is_refused(kernel):
     assert_close(s(POINTS[1]), VALUES[1], 1e-12)
 
 
+def test_second_derivatives_at_a_site_are_refused_where_they_do_not_exist():
+    """r^2 log r^2 has none at a site; those of r^3 are continuous there."""
+    s = RBF(POINTS, thin_plate_spline()).field(VALUES)
+    assert np.isfinite(s.hessian(POINTS[:2] + 1e-9)).all()
+    for ask in (s.hessian, s.laplacian):
+        with refused(rf"has no second derivatives at a site, and the query \({POINTS[1, 0]:.6g}, "):
+            ask([[0.5, 0.5], POINTS[1]])
+    s = RBF(POINTS, polyharmonic(3)).field(VALUES)
+    beside = s.hessian(POINTS[:5] + 1e-9)
+    assert_close(s.hessian(POINTS[:5]), beside, 1e-5 * np.abs(beside).max())
+
+
 def test_smoothing_minimises_misfit_and_energy():
     """The minimum of |s(p) - f|² + smoothing λᵀAλ satisfies f - s(p) = smoothing λ.
 

@@ -1,4 +1,10 @@
-"""Stacks of small symmetric systems, solved by elimination or, if singular, by eigenvectors."""
+"""Stacks of small saddle-point systems, solved by elimination or, if singular, by eigenvectors.
+
+    [ A    P ]
+    [ P^T  D ]
+
+with A (k, k) symmetric, and D diagonal: one for each column of zeros of P, and zero otherwise.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +17,16 @@ from fieldrecon.polynomials import EPS
 
 COLUMNS = 16
 """Maximum number of right-hand sides solved at once with one factored matrix."""
+SMALL = 1e3 * EPS
+"""Eigenvalue, relative to the size of the kernel's matrix, up to which it is only rounding."""
+LARGE = 1e3
+"""Ratio of kernels to polynomials at a query beyond which one step of refinement is needed."""
 FLAT = 1e14
 """Condition number from which on elimination returns only rounding."""
-BALANCING = 10
-"""Number of balancing steps; each halves the order of magnitude by which rows differ."""
 
 
-def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solutions (p, s, v) of symmetric systems (p, s, s), of least norm where one is singular.
+def solved(matrix: np.ndarray, right: np.ndarray, k: int) -> np.ndarray:
+    """Solutions (p, s, v) of saddle-point systems (p, s, s) whose first k rows are kernels.
 
     A further right-hand side of size one shows which systems are singular to rounding. They are
     solved by eigenvectors, without the small eigenvalues, which would only amplify rounding.
@@ -30,35 +38,64 @@ def solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     try:
         found = np.linalg.solve(matrix, np.concatenate([right, probes], axis=2))
     except np.linalg.LinAlgError:  # one is exactly singular, and NumPy solves all or none
-        return _by_eigenvectors(matrix, right)
+        return _by_eigenvectors(matrix, right, k)
     flat = ~(np.abs(found[..., -1]).max(axis=1) * size <= FLAT)
     found = found[..., :-1]
+    far = ~flat & _has_far_query(right, k)
+    if far.any():
+        found[far] += np.linalg.solve(matrix[far], right[far] - matrix[far] @ found[far])
     if flat.any():
-        found[flat] = _by_eigenvectors(matrix[flat], right[flat])
+        found[flat] = _by_eigenvectors(matrix[flat], right[flat], k)
     return found
 
 
-def _by_eigenvectors(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    scale = _balance(matrix)
-    balanced = scale[:, :, None] * matrix * scale[:, None, :]
-    sigma, u = np.linalg.eigh(balanced)
-    size = np.abs(sigma)
-    kept = size > EPS * matrix.shape[1] / 4 * size.max(axis=1, keepdims=True)
-    inverse = np.where(kept, 1.0, 0.0) / np.where(kept, sigma, 1.0)
-    solution: np.ndarray = u @ (inverse[..., None] * (u.mT @ (scale[..., None] * right)))
-    return scale[..., None] * solution
+def _has_far_query(right: np.ndarray, k: int) -> np.ndarray:
+    """Systems (p,) whose kernels at a query are so large that rounding drowns the polynomials."""
+    kernels, polynomials = (
+        np.abs(part).max(axis=(1, 2), initial=0.0) for part in (right[:, :k], right[:, k:])
+    )
+    return (polynomials > 0) & (kernels > LARGE * polynomials)
 
 
-def _balance(matrix: np.ndarray) -> np.ndarray:
-    """Factors (p, s) of rows and columns, after which the largest entry of each is about one.
+def _by_eigenvectors(matrix: np.ndarray, right: np.ndarray, k: int) -> np.ndarray:
+    """Solutions with P = Q R: the polynomials exactly, and kernels orthogonal to them by A.
 
-    Kernels may be far larger than polynomials, which must not be mistaken for rounding (Ruiz 2001).
+    From P^T l = g and A l + P c = f follow, with N = I - Q Q^T and l_0 = Q R^-T g,
+
+        l = l_0 + (N A N)^+ (f - A l_0),   R c = Q^T (f - A l).
+
+    So polynomials are reproduced, and the constraints satisfied, however flat the kernel is, and
+    however large beside the polynomials.
     """
-    scale = np.ones(matrix.shape[:2])
-    for _ in range(BALANCING):
-        largest = np.abs(scale[:, :, None] * matrix * scale[:, None, :]).max(axis=2)
-        scale /= np.sqrt(np.where(largest > 0, largest, 1.0))
-    return scale
+    a, (q, r) = matrix[:, :k, :k], _factored(matrix, k)
+    projected = _orthogonal(q, _orthogonal(q, a).mT)
+    sigma, u = np.linalg.eigh(projected)
+    # rounding is as large as that of A, of which the polynomials may take up nearly all
+    kept = np.abs(sigma) > SMALL * np.linalg.norm(a, axis=(1, 2))[:, None]
+    inverse = np.where(kept, 1.0, 0.0) / np.where(kept, sigma, 1.0)
+    f, g = right[:, :k], right[:, k:]
+    particular = q @ np.linalg.solve(r.mT, g)
+    rest = _orthogonal(q, f - a @ particular)
+    kernels = particular + _orthogonal(q, u @ (inverse[..., None] * (u.mT @ rest)))
+    polynomials = np.linalg.solve(r, q.mT @ (f - a @ kernels))
+    return np.concatenate([kernels, polynomials], axis=1)
+
+
+def _factored(matrix: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Factors Q (p, k, q) and R (p, q, q) of P; columns of zeros stay, and have R = 1 or -1."""
+    q, r = np.linalg.qr(matrix[:, :, k:])
+    return q[:, :k], r
+
+
+def _orthogonal(q: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Columns of x less their parts in the columns of Q."""
+    x = x - q @ (q.mT @ x)
+    return x - q @ (q.mT @ x)
+
+
+def leverages(matrix: np.ndarray, k: int) -> np.ndarray:
+    """Leverages (p, k) of the sites in the least-squares polynomial of each patch."""
+    return (_factored(matrix, k)[0] ** 2).sum(axis=2)
 
 
 def batched_solve_grouped(

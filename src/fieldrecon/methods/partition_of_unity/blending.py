@@ -19,18 +19,28 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fieldrecon._core.chunks import Progress, split_progress
+from fieldrecon._numerics.jets import composition, product, quotient, rows_of_jet
 from fieldrecon._numerics.kd_partition import KDPartition
+from fieldrecon.methods.partition_of_unity.ball_weights import COVERED, bump
 from fieldrecon.methods.partition_of_unity.patch_systems import PatchSystems, Problem
-from fieldrecon.methods.partition_of_unity.patches import SITES_PER_BOX, Patches, bump, systems_of
+from fieldrecon.methods.partition_of_unity.patches import SITES_PER_BOX, Patches, systems_of
 
-COVERED = 5e-3
-"""The sum c of the weights of a level from which on the next level has no share."""
 FEW_COLUMNS = 3
 """Number of columns up to which `bincount` sums faster than a sparse matrix."""
 PASSES = 5
 """Steps of the set-up for progress: cuts, balls, reached boxes, systems; and coarser levels."""
 ALONE = 4
 """A level of no more sites than this number of patches holds is a single patch."""
+EVEN = 1e-3
+"""Typical distance of neighbours, relative to the extent, from which on this holds.
+
+In one patch, the kernel of closer sites would be rounding.
+"""
+FEW = 12
+"""A coarser level of no more sites than this number for each axis is a single patch.
+
+A third of the sites of a larger level, and two outliers of each axis, are fewer.
+"""
 
 
 @dataclass(frozen=True)
@@ -65,17 +75,14 @@ class Share(NamedTuple):
         The level.
     query, patch : (p,) ndarray
         The pairs.
-    weight : (p,) ndarray
-        Over all shares, the weights of a query sum to one.
-    gradient : (p, d) ndarray
-        Gradients of the weights.
+    weights : (c, p) ndarray
+        Jets of the weights. Over all shares, the weights of a query sum to one.
     """
 
     level: Level
     query: np.ndarray
     patch: np.ndarray
-    weight: np.ndarray
-    gradient: np.ndarray
+    weights: np.ndarray
 
     def systems(self) -> Iterator[tuple[PatchSystems, int, np.ndarray, np.ndarray]]:
         """Yield each group of systems, its index, the pairs of its patches, and their members."""
@@ -89,11 +96,12 @@ def levels_of(
     points: np.ndarray, k: int, problem: Problem, progress: Progress | None = None
 ) -> Iterator[Level]:
     """Yield levels of patches with k of the sites (n, d) each; the last is a single patch."""
-    sites = np.arange(len(points))
+    sites = np.lexsort(points.T[::-1])  # so that their order does not matter where distances tie
     steps: Iterator[Progress | None] = split_progress(progress, len(points), PASSES)
     while True:
-        alone = len(sites) <= ALONE * k
-        size = len(sites) if alone else max(1, SITES_PER_BOX * k)
+        own_k = _patch_size(points[sites], k, finest=len(sites) == len(points))
+        alone = own_k == len(sites)
+        size = len(sites) if alone else max(1, SITES_PER_BOX * own_k)
         boxes = KDPartition.around(points[sites], size, next(steps))
         boxes, order = boxes.in_order()
         sites = sites[order]
@@ -103,7 +111,7 @@ def levels_of(
         patches = (
             Patches.single(own, boxes)
             if alone
-            else Patches.of(own, tree, boxes, k, covering, reaching)
+            else Patches.of(own, tree, boxes, own_k, covering, reaching)
         )
         yield Level(sites, patches, *systems_of(own, tree, patches, problem, next(steps)))
         steps = repeat(None)
@@ -114,47 +122,55 @@ def levels_of(
         sites = sites[patches.representatives]
 
 
-def shares(levels: Sequence[Level], x: np.ndarray, gradients: bool) -> Iterator[Share]:
+def _patch_size(points: np.ndarray, k: int, finest: bool) -> int:
+    """Number of sites of each patch: all of a few, unless they are clusters far from others."""
+    n, d = points.shape
+    if n <= (3 if finest else FEW * d):
+        return n
+    if n > ALONE * k:
+        return k
+    extent = np.linalg.norm(np.ptp(points, axis=0))
+    neighbors = cKDTree(points).query(points, 2)[0][:, 1]
+    return n if np.median(neighbors) >= EVEN * extent else min(k, n // 2)
+
+
+def shares(levels: Sequence[Level], x: np.ndarray, order: int) -> Iterator[Share]:
     """Yield the shares of the levels in the values at the queries (m, d).
 
-    Without gradients, the gradients of the weights have no columns.
+    Their weights come with derivatives up to the order. What is left for a level has the jet
+    `left` at each query.
     """
-    columns = x.shape[1] if gradients else 0
-    query, left, slope = np.arange(len(x)), np.ones(len(x)), np.zeros((len(x), columns))
-    for number, level in enumerate(levels):
+    d = x.shape[1]
+    query, left = np.arange(len(x)), np.zeros((rows_of_jet(d, order), len(x)))
+    left[0] = 1.0
+    for level in levels:
         own, patch, offset = level.patches.containing(x[query])
-        weight, gradient = bump(offset)
-        gradient = gradient[:, :columns] / level.patches.radii[patch, None]
-        total, change = summed(own, weight, len(query)), summed(own, gradient, len(query))
-        behind = 1.0 - total / COVERED if number + 1 < len(levels) else np.zeros_like(total)
-        behind = np.maximum(behind, 0.0)[:, None]
-        rest, restchange = COVERED * behind[:, 0] ** 3, -3.0 * behind**2 * change
-        whole, wholechange = total + rest, change + restchange
-        left = left / whole
-        slope = slope / whole[:, None] - left[:, None] * wholechange / whole[:, None]
-        part = left[own] * weight
-        yield Share(
-            level,
-            query[own],
-            patch,
-            part,
-            left[own, None] * gradient + slope[own] * weight[:, None],
-        )
-        slope = slope * rest[:, None] + left[:, None] * restchange
-        left = left * rest
-        further = np.flatnonzero(rest)
+        weight = bump(offset, order)
+        weight[1:] /= level.patches.radii[patch]
+        weight[1 + d :] /= level.patches.radii[patch]
+        total = summed(own, weight.T, len(query)).T
+        rest = _taken_over(total, d) if level is not levels[-1] else np.zeros_like(total)
+        left = quotient(left, total + rest, d)
+        yield Share(level, query[own], patch, product(left[:, own], weight, d))
+        further = np.flatnonzero(rest[0])
         if not len(further):
             return
-        query, left, slope = query[further], left[further], slope[further]
+        query, left = query[further], product(left[:, further], rest[:, further], d)
+
+
+def _taken_over(total: np.ndarray, d: int) -> np.ndarray:
+    """Jet of the weight c (1 - W/c)^3 of the next level, zero for W > c, from that of W."""
+    behind = np.maximum(1.0 - total[0] / COVERED, 0.0)
+    return composition((COVERED * behind**3, -3 * behind**2, 6 * behind / COVERED), total, d)
 
 
 def weight_rows(levels: Sequence[Level], n: int, x: np.ndarray) -> list[sparse.csr_array]:
     """Weights (m, n) of the data of n sites in the values at queries (m, d), in a list of one."""
     triples = []
-    for share in shares(levels, x, gradients=False):
+    for share in shares(levels, x, order=0):
         for systems, _, pairs, member in share.systems():
             query = share.query[pairs]
-            terms = systems.basis(member, x[query]) * share.weight[pairs, None]
+            terms = systems.basis(member, x[query]) * share.weights[0, pairs, None]
             sites = share.level.sites[systems.sites[member]]
             triples.append((query, sites, systems.of_data(member, terms)))
     return [_matrix(triples, (len(x), n))]
@@ -163,15 +179,15 @@ def weight_rows(levels: Sequence[Level], n: int, x: np.ndarray) -> list[sparse.c
 def gradient_weight_rows(levels: Sequence[Level], n: int, x: np.ndarray) -> list[sparse.csr_array]:
     """Weights in each component of the gradient, d matrices (m, n)."""
     triples: list[list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = [[] for _ in x.T]
-    for share in shares(levels, x, gradients=True):
+    for share in shares(levels, x, order=1):
         for systems, _, pairs, member in share.systems():
             query = share.query[pairs]
             basis = systems.basis(member, x[query])
             change = systems.basis_gradient(member, x[query])
             sites = share.level.sites[systems.sites[member]]
             for k, component in enumerate(triples):
-                terms = change[..., k] * share.weight[pairs, None]
-                terms += basis * share.gradient[pairs, k, None]
+                terms = change[..., k] * share.weights[0, pairs, None]
+                terms += basis * share.weights[1 + k, pairs, None]
                 component.append((query, sites, systems.of_data(member, terms)))
     return [_matrix(component, (len(x), n)) for component in triples]
 
@@ -208,10 +224,10 @@ def moments(
     """Sums for some `rows` of queries (m, d) with loads f (m, v): level, group, members, sums."""
     x, f = x[rows], f[rows]
     found = []
-    for number, share in enumerate(shares(levels, x, gradients=False)):
+    for number, share in enumerate(shares(levels, x, order=0)):
         for systems, own, pairs, member in share.systems():
             query = share.query[pairs]
-            basis = systems.basis(member, x[query]) * share.weight[pairs, None]
+            basis = systems.basis(member, x[query]) * share.weights[0, pairs, None]
             terms = basis[..., None] * f[query, None, :]
             found.append((number, own, *_summed_by_row(member, terms)))
     return found

@@ -18,10 +18,9 @@ import numpy as np
 
 from fieldrecon._core.chunks import Progress, chunked
 from fieldrecon._core.validation import format_point
-from fieldrecon.methods.partition_of_unity.batched_systems import solved
+from fieldrecon.methods.partition_of_unity.batched_systems import leverages, solved
 from fieldrecon.methods.partition_of_unity.blending import Level
 from fieldrecon.methods.partition_of_unity.patch_systems import MOST_LEVERAGE, PatchSystems
-from fieldrecon.methods.partition_of_unity.polynomial_rank import leverages
 
 
 def blended_residuals(
@@ -60,8 +59,9 @@ def patch_residuals(
     k = systems.sites.shape[1]
     unit = np.zeros((len(patch), systems.size, k))
     unit[:, range(k), range(k)] = 1.0
-    inverse = solved(systems.matrices(patch), unit)[:, :k]
-    is_valid = leverages(systems.frames(patch), systems.degree) <= MOST_LEVERAGE
+    matrix = systems.matrices(patch)
+    inverse = solved(matrix, unit, k)[:, :k]
+    is_valid = leverages(matrix, k) <= MOST_LEVERAGE
     diagonal = np.where(is_valid, inverse[:, range(k), range(k)], 1.0)
     residuals = inverse @ values[systems.sites[patch]] / diagonal[..., None]
     return np.where(is_valid[..., None], residuals, 0.0), is_valid

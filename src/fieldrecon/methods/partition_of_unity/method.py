@@ -13,6 +13,7 @@ from scipy import sparse
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, rows_of
+from fieldrecon._numerics.jets import product, rows_of_jet, symmetric, upper_pairs
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.partition_of_unity.batched_systems import COLUMNS
@@ -34,7 +35,7 @@ from fieldrecon.methods.solvability import (
     refuse_duplicates,
     unit_smoothing,
 )
-from fieldrecon.polynomials import Frame, dimension
+from fieldrecon.polynomials import EPS, Frame, dimension
 from fieldrecon.reconstruction import Field, Reconstruction, Weights
 
 Coefficients: TypeAlias = Sequence[Sequence[np.ndarray]]
@@ -133,7 +134,10 @@ class PartitionOfUnityRBF(Reconstruction):
         self._frame = Frame.around(self.points)
         unit_kernel = as_finite(self.kernel.in_units(self._frame.scale))
         problem = Problem(
-            unit_kernel, degree, unit_smoothing(self.smoothing, self.kernel, self._frame.scale)
+            unit_kernel,
+            degree,
+            unit_smoothing(self.smoothing, self.kernel, self._frame.scale),
+            EPS * float(np.abs(self.points / self._frame.scale).max()),
         )
         local = self._frame.local(self.points)
         size = min(self.patch_size, len(local))
@@ -143,7 +147,7 @@ class PartitionOfUnityRBF(Reconstruction):
             [len(s) for s in self._levels[0].systems],
         )
         systems = [s for level in self._levels for s in level.systems]
-        self.reduced = sum(len(s.reduced) for s in systems)
+        self.reduced = sum(s.reduced for s in systems)
         self.degree = min(s.least_degree() for s in systems)
 
     def field(
@@ -188,10 +192,10 @@ class PartitionOfUnityRBF(Reconstruction):
         total = sum(len(s) for level in self._levels for s in level.systems)
         found, done = [], 0
         for level in self._levels:
-            own = []
+            own, finest = [], level is self._levels[0]
             for systems in level.systems:
                 own_progress = progress and partial(_level_progress, progress, done, total)
-                own.append(systems.fitted(values[level.sites], executor, own_progress))
+                own.append(systems.fitted(values[level.sites], finest, executor, own_progress))
                 done += len(systems)
             found.append(own)
         return found
@@ -200,31 +204,50 @@ class PartitionOfUnityRBF(Reconstruction):
         x = self._frame.local(x)
         columns = prepared[0][0].shape[2]
         total = np.zeros((len(x), columns), dtype=prepared[0][0].dtype)
-        for share, coefficients in zip(
-            shares(self._levels, x, gradients=False), prepared, strict=False
-        ):
+        for share, coefficients in zip(shares(self._levels, x, order=0), prepared, strict=False):
             values = np.empty((len(share.query), columns), dtype=total.dtype)
             for systems, own, pairs, member in share.systems():
                 values[pairs] = systems.values(member, x[share.query[pairs]], coefficients[own])
-            total += summed(share.query, share.weight[:, None] * values, len(x))
+            total += summed(share.query, share.weights[0, :, None] * values, len(x))
         return total
 
     def _gradient_rows(self, x: np.ndarray, prepared: Coefficients) -> np.ndarray:
         middle = self._value_rows(x, prepared)
         x = self._frame.local(x)
         total = np.zeros((*middle.shape, x.shape[1]), dtype=middle.dtype)
-        for share, coefficients in zip(
-            shares(self._levels, x, gradients=True), prepared, strict=False
-        ):
+        for share, coefficients in zip(shares(self._levels, x, order=1), prepared, strict=False):
             terms = np.empty((len(share.query), *total.shape[1:]), dtype=total.dtype)
             for systems, own, pairs, member in share.systems():
-                query, weight = share.query[pairs], share.weight[pairs, None, None]
+                query, weight = share.query[pairs], share.weights[0, pairs, None, None]
                 values = systems.values(member, x[query], coefficients[own]) - middle[query]
                 slopes = systems.gradients(member, x[query], coefficients[own])
                 # the weights' gradients sum to zero: only differences of the values count
-                terms[pairs] = weight * slopes + values[..., None] * share.gradient[pairs, None, :]
+                terms[pairs] = (
+                    weight * slopes + values[..., None] * share.weights[1:, pairs].T[:, None, :]
+                )
             total += summed(share.query, terms, len(x))
         return total / self._frame.scale
+
+    def _hessian_rows(self, x: np.ndarray, prepared: Coefficients) -> np.ndarray:
+        """The derivatives of the weights sum to zero: only differences of the patches count."""
+        middle, slope = self._value_rows(x, prepared), self._gradient_rows(x, prepared)
+        slope = slope * self._frame.scale
+        x = self._frame.local(x)
+        d = x.shape[1]
+        total = np.zeros((len(upper_pairs(d)), *middle.shape), dtype=middle.dtype)
+        for share, coefficients in zip(shares(self._levels, x, order=2), prepared, strict=False):
+            jet = np.empty((rows_of_jet(d, 2), len(share.query), middle.shape[1]), middle.dtype)
+            for systems, own, pairs, member in share.systems():
+                query = share.query[pairs]
+                patch = member, x[query], coefficients[own]
+                jet[0, pairs] = systems.values(*patch) - middle[query]
+                difference = systems.gradients(*patch) - slope[query]
+                jet[1 : 1 + d, pairs] = np.moveaxis(difference, 2, 0)
+                jet[1 + d :, pairs] = systems.second_derivatives(*patch)
+            terms = product(jet, share.weights[..., None], d)[1 + d :]
+            for entry, term in zip(total, terms, strict=True):
+                entry += summed(share.query, term, len(x))
+        return symmetric(total, d) / self._frame.scale / self._frame.scale
 
     def _weight_rows(self, x: np.ndarray) -> Weights:
         return self._in_chunks(weight_rows, x)[0]

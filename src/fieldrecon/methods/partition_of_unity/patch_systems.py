@@ -3,9 +3,10 @@
     [ A + smoothing I   P ] [lambda]   [f]
     [ P^T               0 ] [  c   ] = [0]
 
-In its frame, the sites of a patch lie within distance one of its centre. If they do not determine a
-polynomial, the one of least Bombieri norm is taken among those with the same values at the sites.
-For sites in a plane this is a polynomial in the plane, constant along its normal.
+In its frame, the sites of a patch lie within distance one of its centre. If they do not determine
+its polynomials, or barely do, P is an orthonormal basis of those that they determine: of each
+degree modulo the lower ones, so that a lower degree stays whole. For sites in a plane these are the
+polynomials in the plane, constant along its normal.
 """
 
 from __future__ import annotations
@@ -20,15 +21,18 @@ import numpy as np
 
 from fieldrecon._core.chunks import Progress, chunked, rows_of
 from fieldrecon._core.validation import format_point, quiet_evaluate
+from fieldrecon._numerics.jets import upper_pairs
 from fieldrecon.kernels.base import Radial
+from fieldrecon.kernels.derivatives import second_derivatives, smoothness
+from fieldrecon.methods.partition_of_unity.ball_weights import COVERED, weights_of_balls
 from fieldrecon.methods.partition_of_unity.batched_systems import (
     COLUMNS,
     batched_solve_grouped,
     solved,
 )
-from fieldrecon.methods.partition_of_unity.polynomial_rank import ranks
+from fieldrecon.methods.partition_of_unity.polynomial_rank import whole_degrees
 from fieldrecon.methods.solvability import TOLERATED_MISS, too_flat
-from fieldrecon.polynomials import dimension, monomial_gradients, monomials
+from fieldrecon.polynomials import dimension, monomial_gradients, monomial_hessians, monomials
 
 MOST_LEVERAGE = 1 - 1e-4
 """Leverage of a site up to which the other sites of its patch determine the polynomial."""
@@ -36,11 +40,24 @@ MOST_LEVERAGE = 1 - 1e-4
 
 @dataclass(frozen=True)
 class Problem:
-    """Kernel, degree of the polynomials, and smoothing, in units of the cloud's size."""
+    """An interpolation problem, in units of the cloud's size.
+
+    Attributes
+    ----------
+    kernel : Radial
+        Kernel.
+    degree : int
+        Degree of the polynomials.
+    smoothing : float
+        Added to the diagonal.
+    rounding : float
+        Rounding of the coordinates of the sites.
+    """
 
     kernel: Radial
     degree: int
     smoothing: float
+    rounding: float
 
 
 @dataclass(frozen=True)
@@ -59,9 +76,11 @@ class PatchSystems:
         Centre of the monomials of each patch: the mean of its sites.
     radius : (p,) ndarray
         Unit of length of each patch.
-    reduced : dict
-        For patches that do not determine their polynomials, the `determined_basis` (q, q) of those
-        that they do.
+    centers, radii : (p, d) and (p,) ndarray
+        The balls of the patches.
+    bases : dict
+        For patches that do not determine their polynomials, or barely do, the `orthonormal_basis`
+        (q, q) of those that they determine.
     """
 
     points: np.ndarray
@@ -69,7 +88,9 @@ class PatchSystems:
     problem: Problem
     origin: np.ndarray
     radius: np.ndarray
-    reduced: dict[int, np.ndarray] = field(default_factory=dict)
+    centers: np.ndarray
+    radii: np.ndarray
+    bases: dict[int, np.ndarray] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.sites)
@@ -105,35 +126,45 @@ class PatchSystems:
         matrix[:, :k, :k] = self._kernel(patch, (a[..., None] - a[:, None] for a in y))
         matrix[:, range(k), range(k)] += self._smoothing(patch)[:, None]
         basis = monomials(self.frames(patch), self.degree)
-        for i, transform in self._reduced_among(patch):
-            basis[i] = basis[i] @ transform
-            matrix[i, range(k, k + q), range(k, k + q)] = ~transform.any(axis=0)
+        for i, own in self._bases_among(patch):
+            basis[i] = basis[i] @ own
+            matrix[i, range(k, k + q), range(k, k + q)] = ~own.any(axis=0)
         matrix[:, :k, k:] = basis
         matrix[:, k:, :k] = basis.mT
         return matrix
 
     def fitted(
-        self, values: np.ndarray, executor: Executor | None, progress: Progress | None
+        self,
+        values: np.ndarray,
+        finest: bool,
+        executor: Executor | None,
+        progress: Progress | None,
     ) -> np.ndarray:
-        """Coefficients (p, k + q, v) of all patches for the data (n, v) of all sites."""
+        """Coefficients (p, k + q, v) of all patches for the data (n, v) of all sites.
+
+        Patches of the finest level must take their data; the share of the other levels is zero at
+        each site.
+        """
         found = np.empty((len(self), self.size, values.shape[1]), dtype=values.dtype)
-        work = partial(quiet_evaluate, self.coefficients, values)
+        work = partial(quiet_evaluate, self.coefficients, values, finest)
         rows = self.rows(values.shape[1])
         for part, some in chunked(work, np.arange(len(self)), rows, executor, progress):
             found[part] = some
         return found
 
-    def coefficients(self, values: np.ndarray, patch: np.ndarray) -> np.ndarray:
+    def coefficients(self, values: np.ndarray, finest: bool, patch: np.ndarray) -> np.ndarray:
         """Coefficients (p, k + q, v) of patches (p,) for the data (n, v) of all sites."""
         matrix = self.matrices(patch)
         data = values[self.sites[patch]]
         k = data.shape[1]
         right = np.zeros((len(patch), self.size, data.shape[2]), dtype=data.dtype)
         right[:, :k] = data
-        found = solved(matrix, right)
-        self._refuse_a_miss(patch, matrix, found, right)
-        for i, transform in self._reduced_among(patch):
-            found[i, k:] = transform @ found[i, k:]
+        found = solved(matrix, right, k)
+        relative = relative_miss(matrix, found, right)
+        if finest:
+            self._refuse_a_miss(patch, relative[:, :k])
+        for i, own in self._bases_among(patch):
+            found[i, k:] = own @ found[i, k:]
         return found
 
     def values(self, patch: np.ndarray, x: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
@@ -143,6 +174,28 @@ class PatchSystems:
     def gradients(self, patch: np.ndarray, x: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
         """Gradients (p, v, d) at points x (p, d)."""
         return np.einsum("psd,psv->pvd", self.basis_gradient(patch, x), coefficients[patch])
+
+    def second_derivatives(
+        self, patch: np.ndarray, x: np.ndarray, coefficients: np.ndarray
+    ) -> np.ndarray:
+        """Second derivatives (d (d + 1)/2, p, v) at points x (p, d), in the order of a jet."""
+        k, d = self.sites.shape[1], x.shape[1]
+        unit = self._unit(patch)[:, None]
+        y = self._from_sites(patch, x) * unit
+        self._refuse_sites(np.einsum("apk,apk->pk", y, y), 2)
+        of_kernels = second_derivatives(self.problem.kernel, list(y))
+        of_basis = monomial_hessians(self._offsets(patch, x), self.degree)
+        lam, c = coefficients[patch, :k], coefficients[patch, k:]
+        return np.stack(
+            [
+                (
+                    np.einsum("pk,pkv->pv", entry * unit**2, lam)
+                    + np.einsum("pq,pqv->pv", of_basis[..., i, j], c)
+                )
+                / self.radius[patch, None] ** 2
+                for entry, (i, j) in zip(of_kernels, upper_pairs(d), strict=True)
+            ]
+        )
 
     def of_data(self, patch: np.ndarray, terms: np.ndarray) -> np.ndarray:
         """Sums t^T c of coefficients, t (p, k + q), as weights (p, k) of their data.
@@ -167,9 +220,9 @@ class PatchSystems:
     def _solved_for_data(self, patch: np.ndarray, right: np.ndarray) -> np.ndarray:
         """The first k rows (p, k, v) of the solutions of the transposed systems."""
         k = self.sites.shape[1]
-        for i, transform in self._reduced_among(patch):
-            right[i, k:] = transform.T @ right[i, k:]
-        return solved(self.matrices(patch), right)[:, :k]
+        for i, own in self._bases_among(patch):
+            right[i, k:] = own.T @ right[i, k:]
+        return solved(self.matrices(patch), right, k)[:, :k]
 
     def basis(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Kernels and monomials (p, k + q) of the patches (p,) at points x (p, d)."""
@@ -185,27 +238,37 @@ class PatchSystems:
         k, unit = self.sites.shape[1], self._unit(patch)[:, None]
         y = self._from_sites(patch, x)
         squared = np.einsum("apk,apk->pk", y, y) * unit**2
-        if not self.problem.kernel.differentiable and (squared == 0).any():
-            raise ValueError(
-                f"{self.problem.kernel!r} has no gradient at a site, and some of the queries are "
-                "sites"
-            )
+        self._refuse_sites(squared, 1)
         slope = self.problem.kernel.slope_of_squared(squared) * unit**2
         g[:, :k] = np.moveaxis(slope * y, 0, 2)
         g[:, k:] = monomial_gradients(self._offsets(patch, x), self.degree)
         return g / self.radius[patch, None, None]
 
+    def _refuse_sites(self, squared: np.ndarray, order: int) -> None:
+        """Refuse points at distances of zero, where the kernel has no derivatives of the order."""
+        kernel = self.problem.kernel
+        smooth = kernel.differentiable if order == 1 else smoothness(kernel) >= order
+        if not smooth and (squared == 0).any():
+            what = "gradient" if order == 1 else "second derivatives"
+            raise ValueError(
+                f"{kernel!r} has no {what} at a site, and some of the queries are sites"
+            )
+
     def least_degree(self) -> int:
         """Highest degree up to which every patch reproduces all polynomials."""
-        degree, some = self.degree, self.frames(np.array(list(self.reduced), dtype=int))
-        while len(some) and (ranks(some, degree) < dimension(some.shape[2], degree)).any():
-            degree -= 1
-        return degree
+        if not self.bases:
+            return self.degree
+        return whole_degrees(np.stack([*self.bases.values()]), self.points.shape[1], self.degree)
 
-    def _reduced_among(self, patch: np.ndarray) -> list[tuple[int, np.ndarray]]:
-        if not self.reduced:
+    @property
+    def reduced(self) -> int:
+        """Number of patches that do not determine all of their polynomials."""
+        return sum(not own.any(axis=0).all() for own in self.bases.values())
+
+    def _bases_among(self, patch: np.ndarray) -> list[tuple[int, np.ndarray]]:
+        if not self.bases:
             return []
-        return [(i, self.reduced[j]) for i, j in enumerate(patch.tolist()) if j in self.reduced]
+        return [(i, self.bases[j]) for i, j in enumerate(patch.tolist()) if j in self.bases]
 
     def _from_sites(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Vectors (d, p, k), by axis, from the sites of patches (p,) to points x (p, d)."""
@@ -241,16 +304,39 @@ class PatchSystems:
         """Whether a change of unit only multiplies the kernel by a factor, up to polynomials."""
         return self.problem.kernel.in_units(2.0) is self.problem.kernel
 
-    def _refuse_a_miss(
-        self, patch: np.ndarray, matrix: np.ndarray, found: np.ndarray, right: np.ndarray
-    ) -> None:
-        missed = np.abs(matrix @ found - right).max(axis=1)
-        size = np.abs(right).max(axis=1)
-        relative = missed / np.where(size > 0, size, 1.0)
-        if not (relative <= TOLERATED_MISS).all():
-            error = np.where(np.isnan(relative), np.inf, relative).max(axis=1)
-            where = format_point(self.origin[patch[np.argmax(error)]])
+    def _refuse_a_miss(self, patch: np.ndarray, relative: np.ndarray) -> None:
+        """Refuse errors (p, k, v) at the data of patches (p,) that the blended field would have."""
+        wrong = np.flatnonzero((relative > TOLERATED_MISS).any(axis=(1, 2)))
+        if not len(wrong):
+            return
+        error = (self._largest_shares(patch[wrong]) * relative[wrong].max(axis=2)).max(axis=1)
+        if error.max() > TOLERATED_MISS:
+            where = format_point(self.origin[patch[wrong[np.argmax(error)]]])
             raise too_flat(f"the field of the patch about ({where})", error.max())
+
+    def _largest_shares(self, patch: np.ndarray) -> np.ndarray:
+        """Bounds (p, k) of the shares of patches (p,) in the blended field at their sites."""
+        x = self.points[self.sites[patch]]
+        weight = weights_of_balls(self.centers[patch], self.radii[patch], x)
+        return np.minimum(weight / COVERED, 1.0)
+
+
+def relative_miss(matrix: np.ndarray, found: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Residuals (p, s, v) of solutions, relative to the right-hand sides of their systems.
+
+    Raises
+    ------
+    OverflowError
+        If they are not finite.
+    """
+    size = np.abs(right).max(axis=1, keepdims=True)
+    relative = np.abs(matrix @ found - right) / np.where(size > 0, size, 1.0)
+    if not np.isfinite(relative).all():
+        raise OverflowError(
+            "the coefficients of a patch exceed the range of floating-point numbers; choose a unit "
+            f"nearer to the size of the data, {size.max():.0e}"
+        )
+    return relative
 
 
 def _squared(y: np.ndarray, unit: np.ndarray | None) -> np.ndarray:

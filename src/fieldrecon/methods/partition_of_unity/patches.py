@@ -1,9 +1,9 @@
 """Patches: overlapping balls of nearest sites, and smooth weights that sum to one.
 
 A patch is a ball about the middle of a box of sites. Its sites are the k nearest to its centre, and
-its radius is the distance of the next one. So each site in the ball belongs to the patch, and if
-the field of each patch interpolates, so does the blended field. Where sites are dense, balls are
-small. A patch whose sites do not determine its polynomials takes more of them.
+its radius is the distance of the next one, or less beside a gap. So each site in the ball belongs
+to the patch, and if the field of each patch interpolates, so does the blended field. Where sites
+are dense, balls are small. A patch whose sites do not determine its polynomials takes more of them.
 """
 
 from __future__ import annotations
@@ -17,21 +17,28 @@ from scipy.spatial import cKDTree
 
 from fieldrecon._core.chunks import Progress, chunked, rows_of
 from fieldrecon._numerics.kd_partition import KDPartition, halved
+from fieldrecon.methods.partition_of_unity.ball_weights import REACH, weights_of_balls
 from fieldrecon.methods.partition_of_unity.patch_systems import PatchSystems, Problem
 from fieldrecon.methods.partition_of_unity.polynomial_rank import (
-    determined_basis,
     maybe_rank_deficient,
+    orthonormal_basis,
 )
 from fieldrecon.polynomials import dimension, power_of_two_above
 
 SITES_PER_BOX = 1 / 3
 """Number of sites of a box, as a fraction of the sites of its patch."""
-REACH = 0.8
-"""A box is covered if all its sites are within this fraction of the radius from the centre."""
+WIDEST = 2.0
+"""Maximum radius of a ball, as a multiple of the distance of the farthest of its sites.
+
+Beyond, in the gap about a cluster, a coarser level takes over: a patch would extrapolate there.
+"""
 THINNED = 10
 """Maximum number of neighbouring sites that one site represents on the next, coarser level."""
 MAX_GROWTH = 4
 """Maximum factor by which a patch that does not determine its polynomials gets more sites."""
+BARELY = 1e-6
+BASES = 64
+"""Number of patches whose bases are computed at once."""
 FEW = 3
 """Minimum of this number."""
 
@@ -118,11 +125,7 @@ class Patches:
 
     def weights(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
         """Weights (p, s) of patches (p,) at points (p, s, d), before normalisation."""
-        away = (x - self.centers[patch, None, :]) / self.radii[patch, None, None]
-        inside = np.einsum("psd,psd->ps", away, away) < 1
-        weight = np.zeros(inside.shape)
-        weight[inside] = bump(away[inside])[0]
-        return weight
+        return weights_of_balls(self.centers[patch], self.radii[patch], x)
 
 
 def systems_of(
@@ -146,26 +149,24 @@ def systems_of(
         origin, radius, doubt = _frames(points, sites, problem.degree, None if groups else progress)
         last = sites.shape[1] >= most
         stays = np.ones_like(doubt) if last else ~doubt
-        systems = PatchSystems(points, sites[stays], problem, origin[stays], radius[stays])
+        own = rest[stays]
+        systems = PatchSystems(
+            points,
+            sites[stays],
+            problem,
+            origin[stays],
+            radius[stays],
+            patches.centers[own],
+            patches.radii[own],
+        )
         if last:
-            _reduce(systems, np.flatnonzero(doubt))
-        member[rest[stays]], group[rest[stays]] = np.arange(len(systems)), len(groups)
+            _find_bases(systems, np.flatnonzero(doubt))
+        member[own], group[own] = np.arange(len(systems)), len(groups)
         groups.append(systems)
         rest = rest[~stays]
         more = min(2 * sites.shape[1], len(points))
         sites = tree.query(patches.centers[rest], more)[1].reshape(len(rest), more)
     return tuple(groups), group, member
-
-
-def bump(offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Weight (1 - r)^4 (4 r + 1) of Wendland (1995) at offsets (p, d), and its gradient by them.
-
-    It is twice continuously differentiable, and so are the blended fields.
-    """
-    r = np.sqrt(np.einsum("pd,pd->p", offset, offset))
-    rest = 1.0 - r
-    cubed = rest**3
-    return cubed * rest * (4.0 * r + 1.0), -20.0 * cubed[:, None] * offset
 
 
 def _covering(
@@ -200,7 +201,8 @@ def _balls(
     """Centre, radius and sites of the ball of each box, and whether it covers the box."""
     center, reach = _middles(points, rows)
     distance, index = tree.query(center, k + 1)
-    radius = distance[:, -1]
+    own, next_site = distance[:, -2], distance[:, -1]
+    radius = np.where(own > 0, np.minimum(next_site, WIDEST * own), next_site)
     return center, radius, index[:, :-1], reach <= REACH * radius
 
 
@@ -226,14 +228,28 @@ def _thinned(points: np.ndarray, rows: np.ndarray) -> np.ndarray:
     squared = ((points[rows] - center[:, None, :]) ** 2).sum(axis=2)
     nearest = np.argmin(np.where(rows >= 0, squared, np.inf), axis=1)
     every = -(-FEW * len(rows) // len(points))
-    return np.sort(rows[np.arange(len(rows)), nearest])[::every]
+    chosen = np.sort(rows[np.arange(len(rows)), nearest])[::every]
+    return np.union1d(chosen, _outliers(points, chosen))
 
 
-def _reduce(systems: PatchSystems, patches: np.ndarray) -> None:
-    for patch in patches.tolist():
-        transform = determined_basis(systems.frames(np.array([patch]))[0], systems.degree)
-        if transform is not None:
-            systems.reduced[patch] = transform
+def _outliers(points: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """The extreme sites of each axis that are far outside the box of the chosen ones.
+
+    Without them, coarser levels would extrapolate between a cloud and an outlier.
+    """
+    low, high = points[chosen].min(axis=0), points[chosen].max(axis=0)
+    extremes = np.stack([points.argmin(axis=0), points.argmax(axis=0)])
+    beyond = np.stack([low - points.min(axis=0), points.max(axis=0) - high])
+    return extremes[beyond > (high - low) / 2]
+
+
+def _find_bases(systems: PatchSystems, patches: np.ndarray) -> None:
+    """Bases of the polynomials that these patches determine."""
+    for part in np.split(patches, range(BASES, len(patches), BASES)):
+        rounding = systems.problem.rounding / systems.radius[part]
+        tolerance = np.maximum(BARELY, 4 * max(systems.degree, 1) * rounding)
+        bases = orthonormal_basis(systems.frames(part), systems.degree, tolerance)
+        systems.bases.update(zip(part.tolist(), bases, strict=True))
 
 
 def _frames(

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from fieldrecon._numerics.weighted_least_squares import by_elimination
-from fieldrecon.polynomials import EPS, exponents, monomials
+from fieldrecon.polynomials import dimension, exponents, monomials
 
 
 def maybe_rank_deficient(y: np.ndarray, degree: int) -> np.ndarray:
@@ -20,41 +20,58 @@ def maybe_rank_deficient(y: np.ndarray, degree: int) -> np.ndarray:
     return ~by_elimination(basis.mT @ basis, 1)[1]
 
 
-def ranks(y: np.ndarray, degree: int) -> np.ndarray:
-    """Dimension (p,) of the polynomials restricted to the sites (p, k, d) of each patch."""
-    sigma = np.linalg.svd(_equilibrated(y, degree), compute_uv=False)
-    return (sigma > _tolerance(y, degree) * sigma[:, :1]).sum(axis=1)
+def orthonormal_basis(y: np.ndarray, degree: int, tolerance: np.ndarray) -> np.ndarray:
+    """Polynomials that are orthonormal at the sites (p, k, d) of each patch, degree by degree.
 
+    The polynomials of degree m are taken modulo those of lower degree: their homogeneous parts are
+    those of least Bombieri norm, and what they have in common at the sites with lower degrees is
+    subtracted. So a lower degree stays whole where a higher one is not determined. On a circle the
+    linear polynomials are whole, although x^2 + y^2 is a constant there.
 
-def determined_basis(y: np.ndarray, degree: int) -> np.ndarray | None:
-    """Basis of the polynomials that the sites (k, d) determine; None if they determine all.
+    Parameters
+    ----------
+    y : (p, k, d) ndarray
+        Sites, at most one from the origin.
+    degree : int
+        Highest degree.
+    tolerance : (p,) ndarray
+        Singular value, per root of the number of sites, up to which a polynomial vanishes at the
+        sites modulo lower degrees.
 
-    The columns of the matrix (q, q) are coefficients of polynomials of least Bombieri norm among
-    those with the same values at the sites, followed by columns of zeros.
+    Returns
+    -------
+    (p, q, q) ndarray
+        Coefficients in the monomials, one polynomial in each column, in the order of the degrees; a
+        column of zeros for each that the sites do not determine.
     """
-    basis = _equilibrated(y, degree)
-    _, sigma, vt = np.linalg.svd(basis, full_matrices=False)
-    rank = int((sigma > _tolerance(y, degree) * sigma[0]).sum())
-    if rank == basis.shape[1]:
-        return None
-    transform = np.zeros((basis.shape[1], basis.shape[1]))
-    transform[:, :rank] = vt[:rank].T / sigma[:rank]
-    return _bombieri(y.shape[1], degree)[:, None] * transform
+    bombieri = _bombieri(y.shape[2], degree)
+    values = monomials(y, degree) * bombieri
+    tolerance = tolerance * np.sqrt(y.shape[1])
+    at_sites = np.zeros_like(values)
+    coefficients = np.zeros((len(y), values.shape[2], values.shape[2]))
+    for m in range(degree + 1):
+        block = slice(dimension(y.shape[2], m - 1), dimension(y.shape[2], m))
+        rest = values[..., block]
+        parts = np.zeros_like(coefficients[..., block])
+        parts[:, range(block.start, block.stop), range(block.stop - block.start)] = 1.0
+        for _ in range(2):  # twice is enough
+            common = at_sites.mT @ rest
+            rest = rest - at_sites @ common
+            parts = parts - coefficients @ common
+        u, sigma, vt = np.linalg.svd(rest, full_matrices=False)
+        kept = sigma > tolerance[:, None]
+        column = slice(block.start, block.start + sigma.shape[1])
+        inverse = kept / np.where(kept, sigma, 1.0)
+        at_sites[..., column] = u * kept[:, None, :]
+        coefficients[..., column] = (parts @ vt.mT) * inverse[:, None, :]
+    return bombieri[:, None] * coefficients
 
 
-def leverages(y: np.ndarray, degree: int) -> np.ndarray:
-    """Leverages (p, k) of the sites (p, k, d) in the least-squares polynomial of each patch."""
-    u, sigma, _ = np.linalg.svd(_equilibrated(y, degree), full_matrices=False)
-    kept = sigma > _tolerance(y, degree) * sigma.max(axis=1, keepdims=True, initial=0.0)
-    return np.einsum("pkq,pq->pk", u**2, kept.astype(float))
-
-
-def _equilibrated(y: np.ndarray, degree: int) -> np.ndarray:
-    return monomials(y, degree) * _bombieri(y.shape[-1], degree)
-
-
-def _tolerance(y: np.ndarray, degree: int) -> float:
-    return 1e3 * EPS * (y.shape[-2] + len(exponents(y.shape[-1], degree)))
+def whole_degrees(basis: np.ndarray, d: int, degree: int) -> int:
+    """Highest degree up to which an `orthonormal_basis` (p, q, q) has all polynomials."""
+    there = ~(basis == 0).all(axis=1).any(axis=0)
+    whole = [m for m in range(degree + 1) if there[: dimension(d, m)].all()]
+    return max(whole, default=-1)
 
 
 def _bombieri(d: int, degree: int) -> np.ndarray:
