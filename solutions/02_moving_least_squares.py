@@ -934,10 +934,11 @@ def judges(n, noise):
 #   that $e_i = (\phi_i - f(\mathbf{p}_i))/(1 - a_{ii})$, so that nothing has to be left out. How do
 #   you get $a_{ii}$ from `field`? For which $\varepsilon$ does the quotient lose its digits, and
 #   why?
-# - *Terraces.* One can read that "bumps and dimples" occur unless $\varepsilon$ is larger than the
-#   spacing. Do you see any? Replace the basis by $b(\mathbf{x}) = 1$ alone, so that $f$ is a
-#   weighted mean of the values, and draw the curve again with a small $\varepsilon$. What is its
-#   slope at the points?
+# - *Terraces.* The slides say that "bumps and dimples occur unless $\varepsilon$ is substantially
+#   larger than the spacing between points". Look for them where the field is curved: with a small
+#   $\varepsilon$ count the changes of sign of the second differences of the curve, and with
+#   $\varepsilon$ of one spacing. Replace the basis by $b(\mathbf{x}) = 1$ alone, so that $f$ is a
+#   weighted mean of the values, and draw the curve again. What is its slope at the points?
 # - *Rounding.* Evaluate the field at a measured point for $\varepsilon = 10^{-2}, 10^{-3}, \dots,
 #   10^{-9}$. The exact field tends to the value there. What does yours do? Replace
 #   $\mathbf{b}(\mathbf{p}_i)$ by $\mathbf{b}(\mathbf{p}_i - \mathbf{x})$, and (2.5) by

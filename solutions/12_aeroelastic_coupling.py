@@ -248,8 +248,9 @@ def footprint(x, y):
 # **12.3** Let $\mathbf{H}$ be any matrix, from any method. (a) Prove that (12.4) follows from
 # (12.3), and (12.3) from (12.4). (b) Prove: the total force is the same on both sides *for all*
 # forces $\mathbf{f}$ if and only if the rows of $\mathbf{H}$ sum to one. (c) Let them sum to one.
-# When is the total moment the same for all $\mathbf{f}$? (d) "It is crucial that displacements
-# are *interpolated*, or energy is lost in each step." Is that so?
+# When is the total moment the same for all $\mathbf{f}$? (d) Wendland (2005, p. 6) writes that
+# "interpolation is crucial in this process since otherwise each coupling step would result in a
+# loss of energy". Is that so?
 #
 # <details><summary>Hint</summary>
 #

@@ -267,8 +267,8 @@ def orders():
 
 
 # %% [markdown]
-# **13.4** (a) Prove: if $u$ obeys (13.1), then $u$ is constant along characteristics. (b) "A curve
-# along which $u$ is constant is a characteristic." Find a counterexample. (c) A scheme that
+# **13.4** (a) Prove: if $u$ obeys (13.1), then $u$ is constant along characteristics. (b) Is
+# every curve along which $u$ is constant a characteristic? Find a counterexample. (c) A scheme that
 # computes the new value at a point of a grid from those of its direct neighbours needs
 # $\lvert\mathbf{a}\rvert\, \Delta t \le h$, with $h$ the spacing. Why? Why does nothing of the kind
 # limit (13.2), and what limits $\Delta t$ then?

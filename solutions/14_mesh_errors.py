@@ -746,7 +746,7 @@ def audit(error, turn):
 #
 # ## In words
 #
-# **14.9** A textbook lists, under the heading "non-manifold errors of meshes": duplicate vertices,
+# **14.9** A list of errors of meshes that are not manifolds names duplicate vertices,
 # edges and triangles; a surface with a boundary; flipped triangles; self-intersections. Which of
 # these make a surface no manifold? What do the others concern: the *boundary*, the *orientation*,
 # the *embedding*, or only how the surface is *written down*? Which two errors of manifoldness are
