@@ -109,7 +109,7 @@ def test_a_list_of_sizes_may_be_given_in_any_order():
         ("epsilon_sweep", {"shown_noise": 0.1}, "shown_noise must be one of noises; got 0.1"),
         ("fluid_animation", {"finest": 0.3}, "finest must be spacing or less; got 0.3"),
         ("high_dimensions", {"at": 4}, "at must be one of variables; got 4"),
-        ("high_dimensions", {"at": 100}, "more must be 102 sites or more each"),
+        ("high_dimensions", {"at": 100}, "more must be 102 or more each"),
         ("hexagon_spiral", {"steps": 5}, r"steps must be 7 or more \(the first .*\); got 5"),
         ("partition_of_unity", {"told": 16}, "told must be one of sizes; got 16"),
         ("partition_of_unity", {"queries": 200_000}, "queries must be 138032 or less"),

@@ -65,7 +65,7 @@ class Params(Parameters):
         require(
             self.largest >= 10 * self.smallest,
             "largest",
-            f"{10 * self.smallest:g} or more",
+            f"{10 * self.smallest:g} or more, 10 times smallest",
             self.largest,
         )
 
