@@ -104,7 +104,7 @@ def test_a_list_of_sizes_may_be_given_in_any_order():
         ("adaptive_front", {"coarsen": 0.1}, "coarsen must be less than refine; got 0.1"),
         ("cell_velocity", {"triangle": (0.0, 0, 1, 1, 2, 2)}, "triangle must be three corners"),
         ("elastic_wing", {"angle": -4.5, "incidence": (4.5, 4.5), "camber": 0.0}, "angle must be"),
-        ("epsilon_sweep", {"largest": 1e-4}, "largest must be 0.001 or more; got 0.0001"),
+        ("epsilon_sweep", {"largest": 1e-4}, "largest must be 0.001 or more, 10 times smallest"),
         ("epsilon_sweep", {"noises": (0.1, 0.5)}, "noises must be a list with 0"),
         ("epsilon_sweep", {"shown_noise": 0.1}, "shown_noise must be one of noises; got 0.1"),
         ("fluid_animation", {"finest": 0.3}, "finest must be spacing or less; got 0.3"),
@@ -239,3 +239,5 @@ def test_a_domain_in_words():
     assert Domain(above=0, most=2).wanted == "more than 0 and 2 or less"
     assert Domain(least=-1, most=1).wanted == "between -1 and 1"
     assert Domain(choices=("a", "b")).wanted == "one of a, b"
+    assert str(Domain(least=3, fewest=2, order="increasing")) == "3 or more; 2 values or more"
+    assert str(Domain(most=1, entries=2)) == "1 or less; 2 values"
