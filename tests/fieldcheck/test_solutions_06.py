@@ -36,8 +36,8 @@ def computed_and_exact(mesh, field):
     """Velocities of the cells by the notebook, and the field at the circumcentres."""
     v = normal_velocities(mesh, field(mesh.points))
     found = [NOTEBOOK["cell_velocity"](q, out) for q, out in cells(mesh, v)]
-    places = np.array([NOTEBOOK["circumcentre"](q) for q in mesh.points[mesh.cells]])
-    return np.array(found), field(places)
+    queries = np.array([NOTEBOOK["circumcentre"](q) for q in mesh.points[mesh.cells]])
+    return np.array(found), field(queries)
 
 
 @each_mesh
