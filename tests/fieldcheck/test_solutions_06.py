@@ -71,7 +71,7 @@ def test_circumcentres_agree_with_the_library(mesh):
 
 @each_mesh
 def test_the_raviart_thomas_field_agrees_with_the_library(mesh):
-    """At the centroid and at a corner of each cell."""
+    """The fields are compared at the centroid and at a corner of each cell."""
     for v in data_of(mesh):
         for where in (mesh.points[mesh.cells].mean(axis=1), mesh.points[mesh.cells[:, 1]]):
             by_library = raviart_thomas(mesh, v, where)

@@ -103,7 +103,7 @@ def test_an_order_of_magnitude_is_the_nearest_power_of_ten(exponent, factor, sig
 
 
 def test_cells_are_read_with_their_types():
-    """An integer, a decimal number, and a text."""
+    """A cell is an integer, a decimal number, or a text."""
     assert [cell_from_text(t) for t in ("12", "12.0", "1e-3", "12 m")] == [12, 12.0, 0.001, "12 m"]
     assert [type(cell_from_text(t)) for t in ("12", "12.0")] == [int, float]
 

@@ -128,7 +128,7 @@ def test_pages_are_small_and_self_contained():
 
 
 def test_each_outcome_has_its_sentence_in_feedback():
-    """Right, misconception, unwritten, not graded yet, and stopped."""
+    """Outcomes are right, misconception, unwritten, not graded yet, and stopped."""
     grades = {
         "right": grade("01.1", 2.0),
         "known": grade("01.2", 0.0, rung="misconception", sentence="Squared twice."),
