@@ -212,14 +212,14 @@ def test_warnings_do_not_affect_the_verdict():
 
 
 def test_equivalent_containers_are_accepted():
-    """Rows as a tuple, several arrays as one, and a number in an array."""
+    """Examples are rows as a tuple, several arrays as one, and a number in an array."""
     assert fitted((np.array([[1, 2], [3, 4]]),), [(2,), (2,)])[1].tolist() == [3, 4]
     assert fitted((np.array([7]),), [()])[0] == 7
     assert [v.shape for v in fitted((np.ones((3, 1)),), [(3,)])] == [(3, 1)]
 
 
 def test_known_answers_are_reproduced_from_json():
-    """Numbers, shapes, errors and values that are not finite."""
+    """This includes shapes, errors, and values that are not finite."""
     strange = (
         Outcome("returned", values=(np.array([[1 / 3, np.nan]]), np.array(np.inf))),
         Outcome("raised", error="ValueError: long story"),

@@ -73,25 +73,25 @@ def test_leave_one_out_residuals_agree_with_the_library(case):
 @pytest.mark.parametrize("n", [2, 3, 6])
 def test_the_errors_of_both_methods_agree_with_the_library(n):
     random = np.random.default_rng(n)
-    points, places = random.random((100, 2)), random.random((10, 2))
-    values, truth = points.sum(axis=1) ** n, places.sum(axis=1) ** n
+    points, queries = random.random((100, 2)), random.random((10, 2))
+    values, truth = points.sum(axis=1) ** n, queries.sum(axis=1) ** n
     methods = LeastSquares(points), MovingLeastSquares(points, inverse_square(0.05))
-    rms = [np.sqrt(np.mean((m.field(values)(places) - truth) ** 2)) for m in methods]
-    close(STUDENT.errors(points, places, n, 0.05), np.array(rms))
+    rms = [np.sqrt(np.mean((m.field(values)(queries) - truth) ** 2)) for m in methods]
+    close(STUDENT.errors(points, queries, n, 0.05), np.array(rms))
 
 
 def test_the_choice_of_epsilon_is_as_the_notebook_states():
     """The minimum of ψ always decreases with ε; leave-one-out selects a nearly optimal ε."""
     random = np.random.default_rng(5)
-    points, places = random.random((100, 2)), random.random((200, 2))
+    points, queries = random.random((100, 2)), random.random((200, 2))
     values = points.sum(axis=1) ** 3 + 0.3 * random.normal(size=100)
     widths, errors, unseen, lowest = np.geomspace(0.01, 3, 9), [], [], []
     for epsilon in widths:
         method = MovingLeastSquares(points, inverse_square(epsilon))
-        missed = method.field(values)(places) - places.sum(axis=1) ** 3
+        missed = method.field(values)(queries) - queries.sum(axis=1) ** 3
         errors.append(np.sqrt(np.mean(missed**2)))
         unseen.append(np.sum(STUDENT.leave_one_out(points, values, epsilon) ** 2))
-        lowest.append(method.objective(values, places[:5]))
+        lowest.append(method.objective(values, queries[:5]))
     assert (np.diff(lowest, axis=0) < 0).all()
     assert errors[int(np.argmin(unseen))] < 1.2 * min(errors)
     assert errors[-1] > 2 * min(errors)

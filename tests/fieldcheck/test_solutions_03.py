@@ -40,7 +40,7 @@ def test_coefficients_agree_with_the_library(random, d):
 
 @each_dimension
 def test_field_and_gradient_agree_with_the_library(random, d):
-    """At arbitrary points, and at the sites, where the logarithm has no value."""
+    """They agree at arbitrary points and at the sites, where the logarithm has no value."""
     points, values = cloud(random, 15, d), random.normal(size=15)
     x = np.concatenate([random.normal(size=(20, d)), points])
     given = points, *NOTEBOOK["coefficients"](points, values), x

@@ -34,7 +34,7 @@ def ring_about(center: np.ndarray, k: int, random: np.random.Generator) -> np.nd
 
 @pytest.mark.parametrize("d", [2, 3])
 def test_the_matrix_agrees_with_the_report(random, d):
-    """In the plane and in space, with the same order of columns."""
+    """The matrices agree in the plane and in space, with the same order of columns."""
     points, normals = random.normal(size=(9, d)), random.normal(size=(9, d))
     mine = NOTEBOOK["velocity_matrix"](points, normals)
     np.testing.assert_allclose(mine, normal_matrix(points, normals), atol=1e-15)
@@ -42,7 +42,7 @@ def test_the_matrix_agrees_with_the_report(random, d):
 
 @pytest.mark.parametrize("case", configurations(12, 3), ids=lambda case: case.name)
 def test_the_rank_agrees_with_the_known_rank(case):
-    """For all configurations of the report, at any position."""
+    """This holds for all configurations of the report, at any position."""
     points, normals = case.at(0.0)
     assert NOTEBOOK["velocity_rank"](points, normals) == case.rank
     assert NOTEBOOK["velocity_rank"](1e-5 * points + 3, normals) == case.rank
@@ -50,7 +50,7 @@ def test_the_rank_agrees_with_the_known_rank(case):
 
 
 def test_the_flow_is_recovered_from_normals_perpendicular_to_it(random):
-    """Up to a factor, `tangent_field` and `crossing_normals` are inverse to each other."""
+    """`tangent_field` and `crossing_normals` are inverse to each other up to a factor."""
     for _ in range(20):
         points, c = cloud(random, 12, 2), flow(random)
         normals = NOTEBOOK["crossing_normals"](points, c)
@@ -94,8 +94,8 @@ def test_the_samples_of_a_star_are_those_of_its_mesh(random, k):
     assert NOTEBOOK["conic_rank"](mesh.points) == by_mesh
 
 
-def test_what_a_star_does_not_see_runs_along_the_conic(random):
-    """The null vector of the samples is the field along the conic through the vertices."""
+def test_the_null_vector_of_a_star_is_the_field_along_its_conic(random):
+    """The conic passes through the vertices of the star."""
     ring = ring_about(np.zeros(2), 4, random)
     cells = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]]
     mesh = SimplexMesh(np.insert(ring, 0, 0.0, axis=0), cells)
@@ -104,8 +104,8 @@ def test_what_a_star_does_not_see_runs_along_the_conic(random):
     assert abs(found @ along) == pytest.approx(np.linalg.norm(along), abs=1e-9)
 
 
-def test_conic_rank_counts_the_conics(random):
-    """Six less the conics through the vertices, for points of a small grid."""
+def test_the_conic_rank_is_six_minus_the_number_of_conics(random):
+    """The points belong to a small grid, so that many of them lie on conics."""
     found = set()
     for _ in range(60):
         vertices = random.integers(0, 3, (int(random.integers(3, 9)), 2)).astype(float)
@@ -116,8 +116,8 @@ def test_conic_rank_counts_the_conics(random):
     assert {3, 4, 5, 6} <= found
 
 
-def test_turning_all_normals_together_never_helps(random):
-    """Those that hide a rotation hide a spiral after a turn by one angle, as the notebook says."""
+def test_rotating_all_normals_does_not_increase_the_rank(random):
+    """Normals perpendicular to a rotation are, when rotated, perpendicular to a spiral flow."""
     points = cloud(random, 9, 2)
     hidden = NOTEBOOK["crossing_normals"](points, np.array([0.5, -0.5, 0, 1, -1, 0]))
     for angle in random.uniform(0, np.pi, 10):

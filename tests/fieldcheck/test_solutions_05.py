@@ -47,7 +47,7 @@ def test_edges_midpoints_and_normals_agree_with_the_library(mesh):
 
 @each_mesh
 def test_normal_velocities_agree_with_the_library(mesh):
-    """For a rotation and for a field that is not linear."""
+    """They agree for a rotation and for a field that is not linear."""
     edges, _, n = edges_with_normals(mesh)
     for u in (NOTEBOOK["rotation"](mesh.points), taylor_green(mesh.points)):
         v = NOTEBOOK["normal_velocities"](edges, n, u)

@@ -36,8 +36,8 @@ def computed_and_exact(mesh, field):
     """Velocities of the cells by the notebook, and the field at the circumcentres."""
     v = normal_velocities(mesh, field(mesh.points))
     found = [NOTEBOOK["cell_velocity"](q, out) for q, out in cells(mesh, v)]
-    places = np.array([NOTEBOOK["circumcentre"](q) for q in mesh.points[mesh.cells]])
-    return np.array(found), field(places)
+    queries = np.array([NOTEBOOK["circumcentre"](q) for q in mesh.points[mesh.cells]])
+    return np.array(found), field(queries)
 
 
 @each_mesh
@@ -71,7 +71,7 @@ def test_circumcentres_agree_with_the_library(mesh):
 
 @each_mesh
 def test_the_raviart_thomas_field_agrees_with_the_library(mesh):
-    """At the centroid and at a corner of each cell."""
+    """The fields are compared at the centroid and at a corner of each cell."""
     for v in data_of(mesh):
         for where in (mesh.points[mesh.cells].mean(axis=1), mesh.points[mesh.cells[:, 1]]):
             by_library = raviart_thomas(mesh, v, where)

@@ -45,7 +45,7 @@ def test_circumcentres_and_areas_agree_with_the_library(n, seed):
 
 @each_star
 def test_coordinates_agree_with_the_library(n, seed):
-    """As quotients inside the cell, and as products also on its edges and corners."""
+    """Quotients are compared inside the cell, products also on its edges and corners."""
     center, rim, corners, mesh = made(n, seed)
     cell = VoronoiCell(mesh, 0)
     order = np.argsort([int(c[0]) for c in cell.cells])

@@ -65,7 +65,7 @@ def test_the_stars_of_the_questions_have_the_given_circumcentres():
 
 
 def test_coordinates_agree_with_the_library(case):
-    """As quotients and as products, also at corners; linear fields are reproduced."""
+    """Quotients and products are compared, also at corners; linear fields are reproduced."""
     mesh, vertex, (center, neighbors, cells), corners = case
     x = points_inside(np.random.default_rng(3), center, corners, 15)
     w = np.array([NOTEBOOK["weights"](center, neighbors, cells, corners, place) for place in x])

@@ -28,7 +28,7 @@ def least_eigenvalue(points, k, degree):
 
 @each_power
 def test_the_kernels_agree_with_the_library(random, k):
-    """With the same signs, and zero at zero."""
+    """The signs agree, and the kernels are zero at zero."""
     r = np.append(random.uniform(0, 3, 20), 0.0)
     np.testing.assert_allclose(NOTEBOOK["kernel"](r, k), polyharmonic(k)(r), rtol=1e-13, atol=1e-13)
 
@@ -55,7 +55,7 @@ def test_the_order_of_conditional_positive_definiteness_is_sharp(random, k):
 
 @each_power
 def test_the_field_agrees_with_the_library(random, k):
-    """With the least degree and one more."""
+    """The degrees are the least admissible degree and one more."""
     points, values, x = cloud(random, 18, 2), random.normal(size=18), random.uniform(-1, 2, (30, 2))
     for degree in (k // 2, k // 2 + 1):
         theirs = RBF(points, polyharmonic(k), degree=degree).field(values)(x)

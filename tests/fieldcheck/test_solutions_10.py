@@ -48,7 +48,7 @@ def test_the_conversion_to_cubed_distances_agrees_with_the_library(random, n):
 
 @each_number
 def test_the_piecewise_spline_agrees_with_the_library(random, n):
-    """Inside, outside, and at the sites; SciPy's second derivatives agree with the moments."""
+    """They agree inside, outside and at the sites; SciPy's second derivatives are the moments."""
     sites, values = line(random, n), random.normal(size=n)
     bends = NOTEBOOK["moments"](sites, values)
     x = np.append(random.uniform(sites[0] - 3, sites[-1] + 3, 50), sites)
@@ -88,7 +88,7 @@ def test_the_energy_agrees_with_the_library_and_is_minimal(random, n):
 
 @pytest.mark.parametrize("degree", [0, 1, 2, 3, 4])
 def test_the_b_splines_agree_with_the_library(random, degree):
-    """By recursion, and by divided differences of truncated powers; one knot is double."""
+    """The library uses recursion or divided differences of truncated powers; one knot is double."""
     knots = line(random, 12)
     knots[5] = knots[6]
     x = np.append(random.uniform(knots[0] - 1, knots[-1] + 1, 60), knots)

@@ -49,7 +49,7 @@ def sphere(random, n):
 
 
 def test_normals_and_planarity_agree_with_the_library(random):
-    """Up to the signs of the normals; near the origin and far from it."""
+    """They agree up to the signs of the normals, near the origin and far from it."""
     for points in (torus(random, 8, 14), 1e5 + sphere(random, 80), random.normal(size=(30, 3))):
         n, planarity = NOTEBOOK["normals"](points, 9)
         theirs = estimate_normals(points, neighbors=9)
@@ -67,7 +67,7 @@ def test_neighbours_agree_with_a_kd_tree(random):
 
 
 def test_orientations_agree_with_the_library(random):
-    """Outward on a sphere and on a torus; the library uses another rule for the outside."""
+    """Normals of a sphere and a torus point outward; the library uses another rule for that."""
     for points in (sphere(random, 150), torus(random, 9, 18)):
         estimate = estimate_normals(points, neighbors=9)
         given = random_signs(random, estimate.vectors)

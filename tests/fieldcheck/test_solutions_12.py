@@ -31,32 +31,34 @@ def meshes(request):
 
 
 def test_weights_and_slopes_agree_with_the_library(meshes):
-    nodes, places = meshes
-    h, g = NOTEBOOK["weights"](nodes, places), NOTEBOOK["slopes"](nodes, places)
-    np.testing.assert_allclose(h, cubic_rbf(nodes).weights(places), rtol=0, atol=ROUNDING)
-    np.testing.assert_allclose(g, cubic_rbf(nodes).gradient_weights(places), rtol=0, atol=ROUNDING)
+    nodes, queries = meshes
+    h, g = NOTEBOOK["weights"](nodes, queries), NOTEBOOK["slopes"](nodes, queries)
+    np.testing.assert_allclose(h, cubic_rbf(nodes).weights(queries), rtol=0, atol=ROUNDING)
+    np.testing.assert_allclose(g, cubic_rbf(nodes).gradient_weights(queries), rtol=0, atol=ROUNDING)
 
 
 def test_slopes_are_the_derivatives_of_the_weights(meshes):
     """Central differences have an error of second order."""
-    nodes, places = meshes
-    for axis, g in zip(np.eye(nodes.shape[1]), NOTEBOOK["slopes"](nodes, places), strict=True):
-        ahead, behind = (NOTEBOOK["weights"](nodes, places + s * axis) for s in (1e-4, -1e-4))
+    nodes, queries = meshes
+    for axis, g in zip(np.eye(nodes.shape[1]), NOTEBOOK["slopes"](nodes, queries), strict=True):
+        ahead, behind = (NOTEBOOK["weights"](nodes, queries + s * axis) for s in (1e-4, -1e-4))
         np.testing.assert_allclose((ahead - behind) / 2e-4, g, rtol=0, atol=1e-5)
 
 
 def test_loads_resultants_and_densities_agree_with_the_library():
     """Virtual work, total force and total moment are conserved."""
     random = np.random.default_rng(5)
-    nodes, places = grid(random, 3, 2, 2), random.random((30, 3))
+    nodes, queries = grid(random, 3, 2, 2), random.random((30, 3))
     f, areas = random.normal(size=(30, 3)), random.uniform(1, 2, 30)
-    coupling = Coupling(cubic_rbf(nodes), places)
-    h = NOTEBOOK["weights"](nodes, places)
+    coupling = Coupling(cubic_rbf(nodes), queries)
+    h = NOTEBOOK["weights"](nodes, queries)
     g = NOTEBOOK["loads"](h, f)
     np.testing.assert_allclose(g, coupling.loads(f), rtol=0, atol=ROUNDING)
     about = random.normal(size=3)
-    whole = NOTEBOOK["resultants"](places, f, about)
-    np.testing.assert_allclose(whole, net_force_and_moment(places, f, about), rtol=0, atol=ROUNDING)
+    whole = NOTEBOOK["resultants"](queries, f, about)
+    np.testing.assert_allclose(
+        whole, net_force_and_moment(queries, f, about), rtol=0, atol=ROUNDING
+    )
     np.testing.assert_allclose(NOTEBOOK["resultants"](nodes, g, about), whole, atol=ROUNDING)
     u = random.normal(size=(12, 3))
     assert np.vdot(coupling.displacements(u), f) == pytest.approx(np.vdot(u, g))
@@ -68,11 +70,11 @@ def test_loads_resultants_and_densities_agree_with_the_library():
 def test_densities_on_a_fine_skin_agree_with_the_library():
     """Each node receives a positive area."""
     nodes = np.indices((4, 4)).reshape(2, -1).T / 3
-    places = (np.indices((20, 20)).reshape(2, -1).T + 0.5) / 20
+    queries = (np.indices((20, 20)).reshape(2, -1).T + 0.5) / 20
     areas = np.random.default_rng(6).uniform(1, 1.2, 400)
-    p = np.cos(places)
-    wanted = Coupling(cubic_rbf(nodes), places).densities(p, areas)
-    h = NOTEBOOK["weights"](nodes, places)
+    p = np.cos(queries)
+    wanted = Coupling(cubic_rbf(nodes), queries).densities(p, areas)
+    h = NOTEBOOK["weights"](nodes, queries)
     found = [NOTEBOOK["densities"](h, column, areas) for column in p.T]
     np.testing.assert_allclose(np.transpose(found), wanted, rtol=0, atol=ROUNDING)
 
@@ -81,13 +83,13 @@ def test_flat_loads_agree_with_the_library_and_conserve_force_and_moment():
     """For a flat structure the system in space is singular; the normal direction is added."""
     random = np.random.default_rng(7)
     nodes = grid(random, 4, 3)
-    places, f = random.normal(size=(9, 3)), random.normal(size=(9, 3))
+    queries, f = random.normal(size=(9, 3)), random.normal(size=(9, 3))
     flat = np.pad(nodes, ((0, 0), (0, 1)))
     assert np.linalg.matrix_rank(NOTEBOOK["system"](flat)) < 12 + 4
-    g = NOTEBOOK["flat_loads"](nodes, places, f)
-    np.testing.assert_allclose(g, FlatCoupling(flat, places, cubic_rbf).loads(f), atol=1e-8)
+    g = NOTEBOOK["flat_loads"](nodes, queries, f)
+    np.testing.assert_allclose(g, FlatCoupling(flat, queries, cubic_rbf).loads(f), atol=1e-8)
     np.testing.assert_allclose(
-        net_force_and_moment(flat, g), net_force_and_moment(places, f), atol=1e-8
+        net_force_and_moment(flat, g), net_force_and_moment(queries, f), atol=1e-8
     )
 
 

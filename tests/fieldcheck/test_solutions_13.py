@@ -35,7 +35,7 @@ def drawing_function(name):
 @pytest.mark.parametrize("scheme", ["euler", "midpoint", "rk4"])
 @pytest.mark.parametrize("flow", [0, 1, 2])
 def test_departure_points_agree_with_the_library(scheme, flow):
-    """In flows with rotation, acceleration and strain, also forward in time."""
+    """The flows have rotation, acceleration and strain; negative steps go forward in time."""
     x = 0.9 * in_square(np.random.default_rng(1), 4)
     for dt in (0.15, -0.1):
         wanted = departure_points(

@@ -52,7 +52,7 @@ def test_merged_vertices_agree_with_the_library(random):
 
 @every_surface
 def test_edge_counts_agree_with_the_library(random, surface):
-    """Edges of one triangle, edges of more than two, and the Euler characteristic."""
+    """Boundary edges, edges of more than two triangles and the Euler characteristic agree."""
     points, triangles = shuffled(random, flipped(random, surface), 4)
     half_edges = HalfEdges(triangles, len(points))
     count = NOTEBOOK["triangles_at_sides"](triangles)

@@ -205,7 +205,7 @@ class TestUpToDate:
 
     @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES.keys())
     def test_a_change_is_detected(self, report, change):
-        """Changes of code, text, parameters, inputs and outputs."""
+        """The changes are in code, text, parameters, inputs and outputs."""
         change(report)
         assert not is_up_to_date(report)
 

@@ -63,10 +63,10 @@ def _print_experiment(experiment: Experiment) -> None:
         say(paragraph if listed else " ".join(paragraph.split()))
         print()
     rows = [
-        (name, value, experiment.meanings[name])
+        (name, value, experiment.domains[name], experiment.meanings[name])
         for name, value in asdict(experiment.defaults).items()
     ]
-    print_table(("parameter", "default", "meaning"), rows)
+    print_table(("parameter", "default", "allowed", "meaning"), rows)
     say(f"Figures: {', '.join(experiment.plots)}")
 
 

@@ -223,6 +223,11 @@ class Experiment:
         """The meaning of each parameter, by its name."""
         return {f.name: f.metadata.get("meaning", "") for f in fields(self.module.Params)}
 
+    @property
+    def domains(self) -> dict[str, str]:
+        """The domain of each parameter in words, by its name; that of a file is empty."""
+        return {f.name: str(f.metadata.get("domain", "")) for f in fields(self.module.Params)}
+
     def digits(self, fact: str) -> int:
         """The number of digits of a fact in which all machines agree.
 

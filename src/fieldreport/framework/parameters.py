@@ -124,6 +124,11 @@ class Domain:
         words = [text.format(bound) for text, bound in bounds if bound is not None]
         return " and ".join(words) or "a finite number"
 
+    def __str__(self) -> str:
+        """The domain of the entries, and the length of a list."""
+        length = f"; {self.entries} values" if self.entries else ""
+        return self.wanted + (f"; {self.fewest} values or more" if self.order else length)
+
     @property
     def _reason(self) -> str:
         return f" ({self.because})" if self.because else ""

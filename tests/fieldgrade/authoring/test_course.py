@@ -293,7 +293,7 @@ def test_student_files_contain_no_hidden_material():
     ],
 )
 def test_a_leaked_part_of_a_solution_is_found(name, text):
-    """In code, in a string and in prose; white space and comments do not hide the leak."""
+    """Leaks in code, strings and prose are found; white space and comments do not hide them."""
     if name.endswith(".md"):
         answer = next(cell.text for cell in SOURCES[0].cells if cell.answer).split()
         text = f"Before.\n{' '.join(answer[5:20])}\nAfter."
@@ -308,7 +308,7 @@ def test_a_leak_in_a_notebook_output_is_found():
 
 
 def test_a_leak_is_reported_with_its_file_and_line():
-    """In code files, in notebook cells and their outputs, and under the keys of a JSON file."""
+    """The leak may be in code, in notebook cells or outputs, or under a key of a JSON file."""
     leak = "\n  np.linalg.solve(b.T @ b, b.T @ values)"
     code = nbformat.v4.new_code_cell(leak, outputs=[nbformat.v4.new_output("stream", text=leak)])
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_markdown_cell("1"), code])
@@ -606,7 +606,7 @@ def test_the_check_command_refuses_an_unknown_notebook(capsys):
 
 
 def test_each_mutant_changes_one_thing():
-    """An operator, a number, a transpose, an axis, or an omitted function call."""
+    """It changes an operator, a number, a transpose or an axis, or omits a function call."""
     code = "def f(a, b):\n    return abs(a.T @ b).sum(axis=1) > -2.5"
     changed = {text.splitlines()[1].strip() for _, text in mutants.mutants(code)}
     assert {

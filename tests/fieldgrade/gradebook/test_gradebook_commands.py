@@ -59,7 +59,7 @@ def test_feedback_writes_a_page_for_each_student_and_a_list_of_pages(folder):
 
 
 def test_export_writes_every_format_and_reports_pending_work(folder, capsys):
-    """Gradebook, Canvas, Moodle and Gradescope; ungraded answers and open requests are reported."""
+    """The formats are those of the gradebook, Canvas, Moodle and Gradescope."""
     line = "ada,01.1,2026-12-02,Look again.,\n"
     (folder / "class/requests.csv").write_text("student,question,on,request,answer\n" + line)
     assert run(folder, "export", "--out", str(folder / "elsewhere")) == 0

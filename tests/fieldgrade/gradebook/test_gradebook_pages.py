@@ -82,8 +82,8 @@ def wrong_field(question, change):
     """The sheets of a student whose field in the public cases is a changed right answer."""
     call = 0
     values = [change(v) for v in public_answers(question[:2])[question].right[call]]
-    told = grade(question, 0.0, call=call, returned=tuple(arrays_to_json(tuple(values))))
-    return grade_sheets(results([record("ada", [told], notebook=question[:2])], asked(question)))
+    graded = grade(question, 0.0, call=call, returned=tuple(arrays_to_json(tuple(values))))
+    return grade_sheets(results([record("ada", [graded], notebook=question[:2])], asked(question)))
 
 
 def test_a_wrong_field_is_drawn_beside_the_right_field():
@@ -128,13 +128,13 @@ def test_pages_are_small_and_self_contained():
 
 
 def test_each_outcome_has_its_sentence_in_feedback():
-    """Right, misconception, unwritten, not graded yet, and stopped."""
-    told = {
+    """Outcomes are right, misconception, unwritten, not graded yet, and stopped."""
+    grades = {
         "right": grade("01.1", 2.0),
         "known": grade("01.2", 0.0, rung="misconception", sentence="Squared twice."),
         "empty": grade("01.3", 0.0, rung="unwritten", sentence="Write it."),
     }
-    found = record("ada", told.values(), status="killed: time")
+    found = record("ada", grades.values(), status="killed: time")
     questions_ = asked("01.1", "01.2", "01.3") + asked("01.7", kind="words")
     text = Tags(feedback(grade_sheets(results([found], questions_)))).text
     for sentence in (

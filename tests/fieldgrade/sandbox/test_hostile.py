@@ -196,7 +196,7 @@ def test_every_method_answers_or_refuses_any_query(data):
 @hostile
 @given(st.data())
 def test_constants_are_reproduced_wherever_there_is_an_answer(data):
-    """In any unit, at any offset, on any point cloud that determines constants."""
+    """This holds in any unit, at any offset, and on any point cloud that determines constants."""
     m = answer_or_none(data.draw(reconstructions()))
     if m is None or m.degree < 0:
         return

@@ -78,7 +78,7 @@ def test_a_folder_that_cannot_be_removed_is_left(home, monkeypatch):
 
 
 def test_an_overfull_home_folder_is_detected(home):
-    """By the number of entries, by the disk space used, and by the depth."""
+    """The criteria are the number of entries, the disk space used, and the depth."""
     assert not homes.is_overfull(str(home))
     linked(home, 0)
     many(home, 10)

@@ -107,7 +107,7 @@ SIGNS = {
 
 @pytest.mark.parametrize("owner", SIGNS.values(), ids=SIGNS)
 def test_a_student_is_identified_by_any_of_several_hints(owner):
-    """Numbers, addresses, names as platforms change them, and a number within a text."""
+    """Hints are numbers, addresses, names as platforms change them, and a number within a text."""
     assert students_of([owner], ROSTER) == {owner: "s123"}
 
 

@@ -49,7 +49,7 @@ NAMES = {
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_path_that_leads_outside_is_refused(tmp_path, name):
-    """Parent folders, root folders and drives; the reported name is harmless."""
+    """Paths with parent folders, roots and drives are refused; the reported name is harmless."""
     assert refusals(items_of(tmp_path, packed({name: b""}))) == {NAMES[name]: unpack.LEADS_OUT}
 
 
@@ -94,7 +94,7 @@ def test_encrypted_files_are_refused(tmp_path):
 
 
 def test_files_that_are_not_the_students_work_are_skipped(tmp_path):
-    """System files, caches, hidden files, and the checks that were handed out."""
+    """These are system files, caches, hidden files, and the checks that were handed out."""
     junk = [
         "__MACOSX/._01.ipynb",
         "._01.ipynb",
@@ -229,7 +229,7 @@ def test_an_unreadable_folder_is_reported(tmp_path, monkeypatch):
 
 
 def test_unprintable_file_names_are_reported_as_text(tmp_path):
-    """Control characters, and bytes that are not valid UTF-8."""
+    """Names may contain control characters, and bytes that are not valid UTF-8."""
     (tmp_path / "a\x1b[2J\nb.ipynb").touch()
     assert [item.name for item in folder_items(tmp_path)] == ["a?[2J?b.ipynb"]
     assert unpack._printable(os.fsdecode(b"\xff.ipynb")).encode() == b"\\udcff.ipynb"

@@ -61,7 +61,7 @@ def check_closed_form(form):
 
 
 def test_the_closed_form_agrees_with_least_squares_by_numpy():
-    """For affine fields and arbitrary triangles, without the library."""
+    """They agree for affine fields and arbitrary triangles, without using the library."""
     check_closed_form(closed_form)
 
 
@@ -167,7 +167,7 @@ def test_cell_errors_are_of_first_order_and_partly_cancel_at_vertices():
 
 
 def test_rotation_expansion_and_strain_have_their_defining_properties():
-    """Skew-symmetric, the identity, and symmetric with trace zero."""
+    """They are skew-symmetric, the identity, and symmetric with trace zero."""
     for of_dimension in GRADIENTS.values():
         rotation, expansion, strain = of_dimension.values()
         np.testing.assert_array_equal(rotation, -rotation.T)

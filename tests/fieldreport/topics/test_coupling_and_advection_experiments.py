@@ -86,7 +86,7 @@ def test_the_initial_shapes_have_their_known_integrals():
 
 
 def test_time_integrators_have_their_orders():
-    """Orders one, two, two and four."""
+    """The orders are one, two, two and four."""
     steps = (32, 64)
     for scheme, order in {"euler": 1, "midpoint": 2, "heun": 2, "rk4": 4}.items():
         coarse, fine = (advection.time_error((scheme, k)) for k in steps)

@@ -196,7 +196,7 @@ def test_the_dynamic_pressure_agrees_with_the_speed():
 
 
 def test_heights_outside_the_table_are_refused():
-    """Below sea level, and above the tabulated layers."""
+    """Such heights are below sea level or above the tabulated layers."""
     for height in (-1.0, 20_001.0, np.nan):
         with pytest.raises(ValueError, match="height must lie between 0 and 20000 m"):
             standard_atmosphere(height)

@@ -65,7 +65,7 @@ def test_without_its_centre_the_spiral_leaves_the_cell(result):
 
 
 def test_constant_and_linear_data_are_reproduced(star):
-    """On every star and at every point of the spiral, up to rounding."""
+    """This holds on every star and at every point of the spiral, up to rounding."""
     cell, s = VoronoiCell(*star), spiral(star, 50)
     size = np.abs(cell.points).max()
     assert abs(cell.field(np.ones(len(cell.points)))(s) - 1).max() < ROUNDING

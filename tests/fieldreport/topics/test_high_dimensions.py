@@ -42,7 +42,7 @@ def test_the_spread_of_distances_agrees_with_the_central_limit_theorem(geometry)
 
 
 def test_the_number_of_polynomials_agrees_with_enumeration(geometry):
-    """Of degree 2: one for each multiset of at most two variables."""
+    """There is one of degree 2 or less for each multiset of at most two variables."""
     d = geometry.variables
     listed = sum(1 for m in range(3) for _ in combinations_with_replacement(range(d), m))
     assert value_of(geometry, "of degree 2") == listed

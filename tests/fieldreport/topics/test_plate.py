@@ -24,7 +24,7 @@ def degrees_of_freedom(mesh, value, gradient) -> np.ndarray:
 
 
 def check_second_derivatives_of_quadratics(second) -> None:
-    """On any mesh, with any origin, and for any direction of the normals."""
+    """This holds on any mesh, with any origin, and for any direction of the normals."""
     a = np.array([[1.5, -0.7], [-0.7, 0.4]])
     mesh = scattered()
     given = degrees_of_freedom(
@@ -171,7 +171,7 @@ def test_plates_that_can_move_rigidly_are_refused():
 
 
 def test_invalid_plates_are_refused():
-    """Tetrahedra, points without a cell, and an invalid mask of clamped points."""
+    """Examples are tetrahedra, points without a cell, and an invalid mask of clamped points."""
     mesh = scattered()
     with pytest.raises(ValueError, match="mesh must lie in the plane"):
         hessians(SimplexMesh.delaunay(halton(9, 3)))

@@ -77,7 +77,7 @@ def test_meshes_have_the_area_of_their_polygon(corners):
 
 
 def test_positions_are_reproduced_and_independent_formulas_agree(result):
-    """In every polytope, with closed forms where they exist, up to rounding."""
+    """This holds up to rounding in every polytope; closed forms are compared where they exist."""
     table = result.tables["polytopes"]
     assert max(table.column("positions")) < ROUNDING
     assert max(table.column("polar dual")) < ROUNDING

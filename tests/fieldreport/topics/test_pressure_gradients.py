@@ -31,7 +31,7 @@ def rows(found):
 
 @pytest.mark.parametrize("d", [2, 3])
 def test_the_reference_gradient_is_the_derivative_of_the_pressure(d):
-    """Compared with central differences."""
+    """It is compared with central differences."""
     x = np.random.default_rng(0).random((50, d))
     for k, step in enumerate(1e-5 * np.eye(d)):
         slope = (pressure(x + step) - pressure(x - step)) / 2e-5
@@ -56,7 +56,7 @@ def test_equilateral_meshes_give_second_order_inside_only(found):
 
 
 def test_rbf_is_more_accurate_than_mls_and_mls_than_ls(found):
-    """On irregular meshes, inside, in the plane and in space."""
+    """This holds inside irregular meshes, in the plane and in space."""
     for mesh in ("jittered, plane", "jittered, space"):
         inside = rows(found)[mesh, "inside"]
         assert inside["RBF"] < inside["MLS"] < inside["LS"]
@@ -105,7 +105,7 @@ def test_cell_means_must_not_be_used_as_values_at_circumcentres(found):
 
 @pytest.mark.parametrize("d", [2, 3])
 def test_cell_means_agree_with_monte_carlo_means(d):
-    """Within the standard error of many points drawn uniformly in each cell."""
+    """They agree within the standard error of many points drawn uniformly in each cell."""
     mesh = jittered_cube(6, d, 0.6, 2)
     shares = np.random.default_rng(3).dirichlet(np.ones(d + 1), 40000)
     for c in range(0, len(mesh.cells), len(mesh.cells) // 4):

@@ -122,7 +122,7 @@ def test_no_conic_through_a_determined_vertex_is_smooth_there():
 
 
 def test_a_rotation_is_exact_at_determined_vertices(result):
-    """With one ring there, and with enough rings everywhere, with and without weights."""
+    """One ring suffices there, and enough rings suffice everywhere, with and without weights."""
     facts = result.facts
     for name in ("error_where_determined", "error_ls", "error_mls"):
         assert facts[name] < ROUNDING
@@ -152,7 +152,7 @@ def test_the_mean_of_two_ends_is_the_midpoint_value_for_affine_fields(result):
 
 
 def test_enough_rings_give_second_order(refined):
-    """In the plane and in space, with equal weights and with the weights of the slides."""
+    """This holds in the plane and in space, with equal weights and with those of the slides."""
     for name in ("ls_2d", "mls_2d", "ls_3d", "mls_3d"):
         assert 1.7 < refined.facts[f"order_{name}"] < 2.5
 

@@ -63,7 +63,7 @@ def hills():
 
 @pytest.fixture(scope="module")
 def quick():
-    return run(QUICK)  # facts with more digits than are told
+    return run(QUICK)  # unrounded facts
 
 
 EXACT_ON_PLANES = (

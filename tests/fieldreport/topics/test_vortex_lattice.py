@@ -34,7 +34,7 @@ def by_quadrature(p, a, b) -> float:
 
 
 def test_the_velocity_of_a_horseshoe_vortex_agrees_with_quadrature():
-    """Beside the vortex, in front of it, and between its legs."""
+    """The points are beside the vortex, in front of it, and between its legs."""
     a, b = np.array([0.1, -0.3]), np.array([0.4, 0.9])
     for p in ([1.0, 0.2], [-0.5, 0.4], [0.7, 1.5], [0.2, -1.0]):
         found = _horseshoe(np.array([[p]]), a[None], b[None])[0, 0]

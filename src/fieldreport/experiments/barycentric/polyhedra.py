@@ -98,7 +98,7 @@ class Params(Parameters):
         require(
             self.largest_shift >= 2 * self.smallest_shift,
             "largest_shift",
-            f"{2 * self.smallest_shift:g} or more",
+            f"{2 * self.smallest_shift:g} or more, twice smallest_shift",
             self.largest_shift,
         )
         require(

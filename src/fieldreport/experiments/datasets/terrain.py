@@ -47,6 +47,7 @@ from fieldreport.experiments.datasets.terrain_methods import (
     WEIGHT,
     Method,
     Surface,
+    coefficients,
     key,
     methods,
     scipy_thin_plate,
@@ -134,6 +135,9 @@ def study(params: Params, land: Terrain, each: Map = map) -> Result:
     whole = TerrainProblem(land, params.spacing, params.apart)
     window = windowed(land, params.window)
     windows = [TerrainProblem(window, spacing, params.apart) for spacing in params.spacings]
+    _require_points(whole, max(params.degrees), 2 * params.per_coefficient)
+    for problem in windows:
+        _require_points(problem, params.shown_degree, params.per_coefficient)
     tried = methods(params.degrees, params.per_coefficient, params.bound)
     step = max(1, len(whole.truth) // SCIPY_QUERIES)
     jobs = [
@@ -160,6 +164,18 @@ def study(params: Params, land: Terrain, each: Map = map) -> Result:
         | {"difference_from_scipy": np.abs(difference).max()},
         arrays=_arrays(params, whole, found, in_window),
     )
+
+
+def _require_points(problem: TerrainProblem, degree: int, per_coefficient: int) -> None:
+    """Refuse isolines with fewer points than least squares and the neighbourhoods of MLS need."""
+    wanted = max(coefficients(degree), per_coefficient * coefficients(2) + 1)
+    given = len(problem.isolines[0])
+    if given < wanted:
+        raise ValueError(
+            f"the isolines every {problem.spacing:g} m must hold {wanted} points or more; they "
+            f"hold {given} (smaller spacings, a smaller apart, a larger window or lower degrees "
+            "help)"
+        )
 
 
 def _job(

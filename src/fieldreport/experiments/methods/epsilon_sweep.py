@@ -65,7 +65,7 @@ class Params(Parameters):
         require(
             self.largest >= 10 * self.smallest,
             "largest",
-            f"{10 * self.smallest:g} or more",
+            f"{10 * self.smallest:g} or more, 10 times smallest",
             self.largest,
         )
 
@@ -174,7 +174,8 @@ def _facts(params: Params, sweeps: np.ndarray, means: np.ndarray) -> dict[str, C
     shown = params.noises.index(params.shown_noise)
     psi = sweeps[:, MEASURES.index("ψ")]
     least_squares, limit = _limit_of_psi(params)
-    facts: dict[str, Cell] = {"spacing": float(1 / np.sqrt(params.points))}
+    spacing = float(1 / np.sqrt(params.points))
+    facts: dict[str, Cell] = {"spacing": spacing}
     for label, k in (("exact", 0), ("noisy", shown)):
         facts[f"best_epsilon_{label}"] = _geometric_mean(chosen(params, sweeps, "error")[:, k])
         facts[f"best_epsilon_gradient_{label}"] = _geometric_mean(
@@ -182,13 +183,15 @@ def _facts(params: Params, sweeps: np.ndarray, means: np.ndarray) -> dict[str, C
         )
         for criterion, key in CRITERIA.items():
             facts[f"regret_{key}_{label}"] = _geometric_mean(regrets(sweeps, criterion)[:, k])
-    at_spacing = np.abs(np.log(params.epsilons * np.sqrt(params.points))).argmin()
-    flat = means[0, :, 0] <= 1.01 * means[0, :, 0].min()
+    error = means[0, :, 0]
+    if params.smallest <= spacing <= params.largest:
+        at_spacing = np.interp(np.log(spacing), np.log(params.epsilons), np.log(error))
+        facts["error_at_spacing_over_smallest"] = np.exp(at_spacing) / error[0]
+    flat = error <= 1.01 * error.min()
     return facts | {
         "largest_epsilon_within_1_percent": params.epsilons[flat].max(),
         "psi_falls_percent": float(100 * np.mean(np.diff(psi, axis=1) < 0)),
-        "error_at_spacing_over_smallest": means[0, at_spacing, 0] / means[0, 0, 0],
-        "error_at_largest_over_smallest": means[0, -1, 0] / means[0, 0, 0],
+        "error_at_largest_over_smallest": error[-1] / error[0],
         "scaled_psi": limit,
         "psi_of_least_squares": least_squares,
         "scaled_psi_difference_percent": 100 * abs(limit / least_squares - 1),

@@ -76,7 +76,7 @@ class Params(Parameters):
     def __post_init__(self) -> None:
         super().__post_init__()
         require(self.at in self.variables, "at", "one of variables", self.at)
-        wanted = f"{self.at + 2} sites or more each, for {self.at} variables"
+        wanted = f"{self.at + 2} or more each, for at = {self.at}"
         require(self.more[0] > self.at + 1, "more", wanted, self.more[0])
 
 

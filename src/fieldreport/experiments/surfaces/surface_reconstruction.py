@@ -70,7 +70,7 @@ class Params(Parameters):
         (4, 8, 16), "cells across the tube of a torus", least=2, fewest=2, order="increasing"
     )
     frame: float = parameter(
-        0.09, "edge of the cells for Boolean operations, as a length", least=0.01, most=1
+        0.09, "edge of the cells for Boolean operations, as a length", least=0.01, most=0.5
     )
     isolines: int = parameter(
         40, "difference of height between isolines, in metres", least=1, most=1000

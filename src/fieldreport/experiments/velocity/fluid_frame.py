@@ -104,7 +104,8 @@ class Params(Parameters):
     def __post_init__(self) -> None:
         super().__post_init__()
         least = 1 + 3 * self.steps_3d[0]
-        require(self.outer_3d >= least, "outer_3d", f"{least:g} or more", self.outer_3d)
+        wanted = f"{least:g} or more, for the largest of steps_3d"
+        require(self.outer_3d >= least, "outer_3d", wanted, self.outer_3d)
 
 
 QUICK = Params(
