@@ -21,7 +21,7 @@ end
 return {
   { Pandoc = load },
   { Pandoc = require 'tables' },       -- results become tables
-  { Pandoc = require 'quotations' },   -- {{experiment.fact:format}} becomes the number
+  { Pandoc = require 'quoted_facts' },   -- {{experiment.fact:format}} becomes the number
   { Pandoc = require 'numbers' },      -- everything that is counted gets its number
   { Pandoc = require 'references' },   -- @fig:name becomes Figure 2.1
   { Pandoc = finish },               -- @lancaster1981 becomes a citation

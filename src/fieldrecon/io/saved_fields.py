@@ -2,7 +2,7 @@
 
 A file is an NPZ archive of plain arrays, no pickles:
 
-- ``header``: JSON in UTF-8 as bytes, an object of ``format`` ("fieldrecon field"), ``version`` (1),
+- ``header``: JSON in UTF-8 as bytes, an object of ``format`` ("fieldrecon field"), ``version`` (2),
   ``method`` and ``names`` (of the columns of the data, or empty);
 - ``points`` (n, d) and ``values`` (n, ...): the sites and the data.
 
@@ -10,11 +10,16 @@ A file is an NPZ archive of plain arrays, no pickles:
 is an object of ``name`` and its parameters, and the method within `OnGlobe` is an argument. A
 loaded field is fitted again. Its values are identical with the same versions of NumPy and SciPy
 on the same kind of processor, and equal up to rounding elsewhere.
+
+In files of version 1, patches whose sites are in special position (on a line or a circle, say) were
+fitted with other polynomials, and of equally distant sites the first ones were taken. They are read
+with a warning.
 """
 
 from __future__ import annotations
 
 import json
+import warnings
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields, is_dataclass
@@ -27,9 +32,10 @@ import numpy as np
 from fieldrecon import kernels, methods
 from fieldrecon._core.atomic_files import whole_file
 from fieldrecon.kernels import Radial
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.reconstruction import Field, Reconstruction
 
-FORMAT, VERSION = "fieldrecon field", 1
+FORMAT, VERSION = "fieldrecon field", 2
 
 
 def _is_made_from_points(method: object) -> bool:
@@ -99,6 +105,11 @@ def load(path: str | Path) -> Field:
         With the same values: identical with the same NumPy, SciPy and processor, otherwise up to
         rounding.
 
+    Warns
+    -----
+    UserWarning
+        If the field has patches and is of version 1, since they are fitted differently now.
+
     Raises
     ------
     ValueError
@@ -106,12 +117,20 @@ def load(path: str | Path) -> Field:
     FileNotFoundError
         If there is no such file.
     """
-    return load_with_names(path)[0]
+    return load_with_names(path, stacklevel=3)[0]
 
 
-def load_with_names(path: str | Path) -> tuple[Field, list[str]]:
+def load_with_names(path: str | Path, stacklevel: int = 2) -> tuple[Field, list[str]]:
     """Read a field as `load` does, and the names that were given to `save`."""
     header, points, values = _content(path)
+    if header["version"] == 1 and _has_patches(header.get("method")):
+        warnings.warn(
+            f"{path} is a field of version 1, and patches are fitted differently now: its values "
+            "may differ where sites are few, on lines, planes, circles or lattices, or far from "
+            "the others",
+            UserWarning,
+            stacklevel=stacklevel,
+        )
     try:
         method = _method(header["method"], points)
         return method.field(values), [str(name) for name in header["names"]]
@@ -128,11 +147,20 @@ def _content(path: str | Path) -> tuple[dict[str, Any], np.ndarray, np.ndarray]:
         raise ValueError(f"{path} is not a file of a field: {error}") from None
     if not isinstance(header, dict) or header.get("format") != FORMAT:
         raise ValueError(f"{path} is not a file of a field: its header does not say {FORMAT!r}")
-    if header.get("version") != VERSION:
+    if header.get("version") not in (1, VERSION):
         raise ValueError(
-            f"{path} is a field of version {header.get('version')}; this program reads {VERSION}"
+            f"{path} is a field of version {header.get('version')}; this program reads versions 1 "
+            f"and {VERSION}"
         )
     return header, *arrays
+
+
+def _has_patches(described: object) -> bool:
+    """Whether a described method is, or contains, one on patches."""
+    if not isinstance(described, Mapping):
+        return False
+    patches = described.get("name") == PartitionOfUnityRBF.__name__
+    return patches or any(map(_has_patches, described.values()))
 
 
 def description(method: Reconstruction) -> dict[str, Any]:

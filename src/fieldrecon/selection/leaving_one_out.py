@@ -20,8 +20,9 @@ def leave_one_out(
     radius, r_i / (1 - h_ii), with h_ii the diagonal of H(X); where 1 - h_ii is tiny, and for k
     nearest sites, whose neighbourhoods change, the point is left out of its own fit. Radial basis
     functions: lambda_i / (H^-1)_ii (Rippa 1999); on patches, the mean of these over those that
-    contain the point, by their weights there: the patches stay where they are. Any other method is
-    made again on the other points, n times.
+    contain the point, by their weights there. The patches stay where they are, so these residuals
+    estimate the error, and are not those of fits without the point. Any other method is made again
+    on the other points, n times.
 
     Parameters
     ----------

@@ -356,6 +356,26 @@ def test_patches_within_one_flat_side_are_refused():
     assert np.abs(t.defects(transfer_laws.loads_on(t))).max() < 1e-9
 
 
+def test_patches_conserve_force_and_moment_on_special_structures_or_are_refused():
+    """Two plates, the frames of a tube, and a cloud with an outlier."""
+    rng, t = np.random.default_rng(0), np.linspace(0, 2 * np.pi, 40, endpoint=False)
+    frame = np.column_stack([np.cos(t), np.sin(t)])
+    structures = {
+        "two plates": np.column_stack([rng.random((400, 2)), np.repeat([0.0, 1.0], 200)]),
+        "tube": np.vstack([np.column_stack([frame, np.full(40, z)]) for z in range(5)]),
+        "outlier": np.vstack([rng.random((200, 3)), [[300.0, -200.0, 500.0]]]),
+    }
+    conserved = []
+    for name, nodes in structures.items():
+        try:
+            transfer = couple(nodes, skin_points(3), PartitionOfUnityRBF)
+        except np.linalg.LinAlgError:
+            continue
+        assert np.abs(transfer.defects(transfer_laws.loads_on(transfer))).max() < 1e-8, name
+        conserved.append(name)
+    assert {"two plates", "tube"} <= set(conserved)
+
+
 # --- the mappings of preCICE ----------------------------------------------------------------------
 
 

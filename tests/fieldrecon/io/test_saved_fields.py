@@ -3,6 +3,7 @@
 import io
 import json
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -71,6 +72,24 @@ def test_the_requested_degree_of_patches_is_saved(tmp_path):
     assert np.array_equal(again(QUERIES), field(QUERIES))
 
 
+@pytest.mark.parametrize("name", ["patches", "patches_on_globe"])
+def test_patches_of_version_1_are_read_with_a_warning(name):
+    """The files were written by that version; their sites are on circles, their data constants."""
+    path = Path(__file__).with_name(f"{name}_version_1.npz")
+    with pytest.warns(UserWarning, match=r"version_1\.npz is a field of version 1") as warnings:
+        field = fr.load(path)
+    assert warnings[0].filename == __file__
+    center = np.zeros(2)
+    assert field.values.max() == field.values.min() == 1.0
+    assert field(center) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_other_methods_of_version_1_are_read_without_a_warning(tmp_path):
+    """Nothing has changed for them; warnings are errors here."""
+    field = fr.load(written(tmp_path, lambda h: h.update(version=1)))
+    assert np.array_equal(field.values, VALUES)
+
+
 def test_a_field_copies_its_data():
     """The data do not change with the caller's array and are read-only."""
     values = VALUES.copy()
@@ -110,7 +129,8 @@ def written(folder, change=None, **arrays):
     ("change", "words"),
     [
         (lambda h: h.update(format="zarr"), "its header does not say 'fieldrecon field'"),
-        (lambda h: h.update(version=2), "is a field of version 2; this program reads 1"),
+        (lambda h: h.update(version=3), "is a field of version 3; .* reads versions 1 and 2"),
+        (lambda h: h.pop("version"), "is a field of version None"),
         (lambda h: h.pop("method"), "'method'"),
         (lambda h: h.update(names=3), "no field that can be fitted again"),
         (lambda h: h.update(method=[]), "no field that can be fitted again"),

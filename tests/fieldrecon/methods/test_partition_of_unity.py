@@ -265,7 +265,7 @@ def test_patches_count_a_degree_only_where_it_stands_out_from_the_lower_ones():
         y[:, -1] = y[:, 0] % 2  # two planes
         powers = [sympy.Matrix(monomials(y, m).astype(int)).rank() for m in range(degree + 1)]
         unit = y[None] / (8 * np.sqrt(d))
-        basis = orthonormal_basis(unit, degree, np.array([1e-9]))
+        basis = orthonormal_basis(unit, degree, np.full((1, degree + 1), 1e-9))
         at_sites = monomials(unit[0], degree) @ basis[0]
         there = basis[0].any(axis=0)
         counts = [there[: dimension(d, m)].sum() for m in range(degree + 1)]

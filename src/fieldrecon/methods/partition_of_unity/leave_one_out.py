@@ -2,7 +2,8 @@
 
 The patches stay, and each gives up the site. With lambda = S^-1 f the residual of a patch at its
 site i is lambda_i / (S^-1)_ii; the residual of the method is the mean of those of the patches that
-contain the site, weighted as the patches are blended.
+contain the site, weighted as the patches are blended. Without the site, patches would lie elsewhere
+and have other neighbours: the residuals estimate the error, and are not those of refits.
 
 References
 ----------

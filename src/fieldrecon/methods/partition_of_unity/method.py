@@ -52,7 +52,8 @@ class PartitionOfUnityRBF(Reconstruction):
     weights w_j are twice continuously differentiable and vanish outside their balls. Where no ball
     reaches, in gaps and outside, patches on coarser and coarser subsets of the sites take over, the
     last of which reaches everywhere. The cost is O(n log n), and a value depends only on sites near
-    the query.
+    the query. The order of the sites does not matter, not even to rounding: of equally distant
+    sites their positions decide, unless sites coincide.
 
     Parameters
     ----------
@@ -76,8 +77,13 @@ class PartitionOfUnityRBF(Reconstruction):
         Sites of each patch; more than `patch_size` if it needs them to determine its polynomials.
     reduced : int
         Number of patches whose sites do not determine a polynomial of the degree, not even with
-        four times as many: sites on a line or in a plane, say. They use the polynomials that their
-        sites determine, constant across that line or plane, and `degree` is lower.
+        four times as many: sites on a line, in a plane or on a circle, say. They use all
+        polynomials of the degrees that their sites determine, and of higher degrees those that are
+        determined modulo the lower ones: on a line or in a plane these are constant across it, on a
+        circle harmonic.
+    degree : int
+        The degree that is reproduced everywhere: the lowest that all patches determine. No distinct
+        sites are refused for want of a polynomial; one site reproduces constants.
 
     Notes
     -----
@@ -89,12 +95,28 @@ class PartitionOfUnityRBF(Reconstruction):
     field of all sites at once, `RBF`, is better if it fits into memory (experiment
     `high_dimensions`).
 
+    A polynomial counts as determined if its values at the sites, modulo lower degrees, are at least
+    1e-6 of the patch's size (root mean square); beyond linear polynomials, and those that the
+    kernel needs, at least 1e-4. Rounding in the data is magnified by at most the inverse.
+
+    Outside the convex hull and in gaps, values are a fair extrapolation, and gradients are not.
+    There the levels change within half a spacing, and the gradient has their difference divided
+    by this distance. For f = sin 3(x + y) + x^2 at 600 sites in the unit square, the gradient
+    (of size 7) has errors of up to 31 within 0.1 of the square, 3.2 at the 95 % quantile; that of
+    `RBF` with r^3 has 1.0 and 0.7. `fieldrecon.selection.extrapolated` marks such points.
+
+    Leave-one-out residuals are an estimate of the error: the patches stay where they are, while
+    a fit without the site would have others. They have the size of the true residuals, and on a
+    site inside the cloud a correlation of about 0.7 with them.
+
     Raises
     ------
     ValueError
         If points coincide, or an argument has the wrong form.
     numpy.linalg.LinAlgError
-        If the kernel is too flat for the points of a patch; of the data, when there are some.
+        Of the data: if the kernel is too flat for sites so close and data so rough.
+    OverflowError
+        Of the data: if coefficients exceed the range of floating-point numbers.
 
     References
     ----------

@@ -37,6 +37,13 @@ THINNED = 10
 MAX_GROWTH = 4
 """Maximum factor by which a patch that does not determine its polynomials gets more sites."""
 BARELY = 1e-6
+"""Size at the sites up to which a polynomial, modulo lower degrees, is not determined by them.
+
+The data's noise is magnified by the inverse of the size. This holds for linear polynomials, and for
+those that the kernel needs.
+"""
+BARELY_MORE = 1e-4
+"""The same for polynomials of higher degrees: beside tracks they must not follow the noise."""
 BASES = 64
 """Number of patches whose bases are computed at once."""
 FEW = 3
@@ -247,7 +254,9 @@ def _find_bases(systems: PatchSystems, patches: np.ndarray) -> None:
     """Bases of the polynomials that these patches determine."""
     for part in np.split(patches, range(BASES, len(patches), BASES)):
         rounding = systems.problem.rounding / systems.radius[part]
-        tolerance = np.maximum(BARELY, 4 * max(systems.degree, 1) * rounding)
+        needed = np.arange(systems.degree + 1) <= max(1, systems.problem.kernel.order - 1)
+        barely = np.where(needed, BARELY, BARELY_MORE)
+        tolerance = np.maximum(barely, 4 * max(systems.degree, 1) * rounding[:, None])
         bases = orthonormal_basis(systems.frames(part), systems.degree, tolerance)
         systems.bases.update(zip(part.tolist(), bases, strict=True))
 

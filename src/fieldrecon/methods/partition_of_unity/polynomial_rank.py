@@ -34,9 +34,9 @@ def orthonormal_basis(y: np.ndarray, degree: int, tolerance: np.ndarray) -> np.n
         Sites, at most one from the origin.
     degree : int
         Highest degree.
-    tolerance : (p,) ndarray
-        Singular value, per root of the number of sites, up to which a polynomial vanishes at the
-        sites modulo lower degrees.
+    tolerance : (p, degree + 1) ndarray
+        For each degree the singular value, per root of the number of sites, up to which a
+        polynomial vanishes at the sites modulo lower degrees.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def orthonormal_basis(y: np.ndarray, degree: int, tolerance: np.ndarray) -> np.n
             rest = rest - at_sites @ common
             parts = parts - coefficients @ common
         u, sigma, vt = np.linalg.svd(rest, full_matrices=False)
-        kept = sigma > tolerance[:, None]
+        kept = sigma > tolerance[:, m, None]
         column = slice(block.start, block.start + sigma.shape[1])
         inverse = kept / np.where(kept, sigma, 1.0)
         at_sites[..., column] = u * kept[:, None, :]

@@ -1,4 +1,4 @@
---[[ quotations.lua: {{experiment.fact:format}} and {{experiment.params.field}} become numbers,
+--[[ quoted_facts.lua: {{experiment.fact:format}} and {{experiment.params.field}} become numbers,
 in prose, captions, cells, headings, mathematics and attributes (alternative texts).
 
 Code is left alone, so that this syntax can be shown. A table remembers whose facts it quotes.   ]]
