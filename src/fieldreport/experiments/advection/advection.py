@@ -252,6 +252,7 @@ def _facts(
     }
     facts |= {
         "order_in_space": order(h, in_space),
+        "largest_power": 2 ** (norms.shape[1] - 1),
         "largest_norm_disc": float(norms[0].max()),
         "radius_disc": float(radii[0]),
         "radius_square": float(radii[1]),
