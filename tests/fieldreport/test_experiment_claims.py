@@ -39,7 +39,7 @@ def shapes():
 @pytest.fixture(scope="module")
 def kernels():
     return experiments.get("kernel_comparison").run(
-        kernel_comparison.Params(sizes=(50, 100, 200, 400), starts=(1000,))
+        kernel_comparison.Params(sizes=(50, 100, 200), starts=(1000,))
     )
 
 
