@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from fieldrecon._core import validation as valid
@@ -60,12 +61,33 @@ def as_augmentation(degree: int | None, kernel: Radial) -> int:
     return int(degree)
 
 
+def as_smoothing(smoothing: ArrayLike, n: int) -> float | np.ndarray:
+    """Smoothing of all n data, one number, or of each datum, a read-only array (n,)."""
+    if not isinstance(smoothing, list | tuple) and np.ndim(smoothing) == 0:
+        return valid.as_length(smoothing, "smoothing", zero_allowed=True)  # type: ignore[arg-type]
+    each = valid.as_values(smoothing, n, name="smoothing").copy()
+    if each.ndim > 1 or np.iscomplexobj(each):
+        raise ValueError(
+            f"smoothing must be a number, or real numbers of the shape ({n},), one for each point; "
+            f"got the shape {each.shape} and the type {each.dtype}"
+        )
+    if (each < 0).any():
+        i = int(np.argmax(each < 0))
+        raise ValueError(f"smoothing must not be negative; smoothing[{i}] is {each[i]:g}")
+    each.flags.writeable = False
+    return each
+
+
 def refuse_duplicates(
-    points: np.ndarray, remedy: str = "merge them, or give smoothing > 0"
+    points: np.ndarray,
+    remedy: str = "merge them, or give smoothing > 0",
+    smoothing: float | np.ndarray = 0.0,
 ) -> None:
-    """Refuse points that coincide: two equal rows of the system make it singular."""
+    """Refuse points that coincide and have no smoothing: their equal rows are a singular system."""
     wanted = "points must be distinct to be interpolated; these coincide: {pairs}; "
-    refuse_coincident(points, wanted + remedy)
+    interpolated = np.broadcast_to(np.equal(smoothing, 0), len(points))
+    if interpolated.any():
+        refuse_coincident(points, wanted + remedy, np.flatnonzero(interpolated))
 
 
 def refuse_beyond_memory(n: int, entries: float | None = None) -> None:
@@ -122,10 +144,13 @@ def too_flat(who: str, miss: float) -> np.linalg.LinAlgError:
     )
 
 
-def unit_smoothing(smoothing: float, kernel: Radial, scale: float) -> float:
-    """The smoothing in units of the kernel on sites that were divided by the scale."""
-    if smoothing == 0:
-        return 0.0
+def unit_smoothing(
+    smoothing: float | np.ndarray, n: int, kernel: Radial, scale: float
+) -> np.ndarray:
+    """The smoothing (n,) of each datum in units of the kernel on sites divided by the scale."""
+    each = np.broadcast_to(smoothing, n)
+    if not each.any():
+        return each
     unit = powers_of_scale(scale, np.array([-kernel.homogeneity]), "the smoothing")
-    scaled = valid.quiet_evaluate(np.multiply, smoothing, unit)
-    return float(within_range(scaled, "values of the smoothing")[0])
+    scaled = valid.quiet_evaluate(np.multiply, each, unit)
+    return within_range(scaled, "values of the smoothing")

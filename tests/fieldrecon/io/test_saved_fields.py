@@ -33,6 +33,7 @@ METHODS = [
     fr.RBF(POINTS, fr.thin_plate_spline(), degree=2, smoothing=0.1 + 0.2),
     fr.PartitionOfUnityRBF(POINTS),
     fr.PartitionOfUnityRBF(POINTS, fr.polyharmonic(3), degree=2, patch_size=30, smoothing=1e-3),
+    fr.PartitionOfUnityRBF(POINTS, smoothing=0.1 * np.arange(120) ** 2),
     fr.OnGlobe(LONLAT, lambda u: fr.RBF(u, fr.polyharmonic(3))),
     fr.OnGlobe(LONLAT, fr.PartitionOfUnityRBF),
 ]
