@@ -211,7 +211,10 @@ def flight(params: Params) -> tuple[dict[str, Cell], dict[str, np.ndarray], tupl
         "profile": np.array([profile_at(params, p) for p in (before, after)]),
     } | {name: t.residuals / t.residuals[0] for name, t in turns.items()}
     facts = _flight_facts(params, wing, stiff, bent)
-    facts |= {f"{name}_turns": len(t.residuals) - 1 for name, t in turns.items()}
+    facts |= {
+        f"{name}_turns": len(t.residuals) - 1 if t.converged else "none"
+        for name, t in turns.items()
+    }
     facts |= {
         "contraction": wing.contraction(q),
         "observed_contraction": float(middle[1] / middle[0]),
