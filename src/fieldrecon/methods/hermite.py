@@ -25,6 +25,7 @@ from fieldrecon.methods.solvability import (
     as_augmentation,
     as_finite,
     as_kernel,
+    meets_rough_data,
     refuse_a_miss,
     refuse_beyond_memory,
     within_range,
@@ -55,6 +56,9 @@ class HermiteRBF(Reconstruction):
     ----------
     functionals : Functionals
         All functionals; `points` are their points.
+    interpolates : bool
+        False where the kernel is so flat that rounding makes the fields of some data miss them by
+        more than 1e-6 of their size.
 
     Raises
     ------
@@ -79,8 +83,6 @@ class HermiteRBF(Reconstruction):
     (np.float64(6.0), array([2., 3.]))
     """
 
-    interpolates = True
-
     def __init__(
         self,
         functionals: Functionals | Sequence[Functionals],
@@ -102,6 +104,7 @@ class HermiteRBF(Reconstruction):
         a = self._of_kernel(self._local)
         self._largest = abs(within_range(a, f"derivatives of {kernel!r}")).max()
         self._system = valid.quiet_evaluate(SaddlePoint, np.asfortranarray(a), p)
+        self.interpolates = meets_rough_data(self._system, np.array(self._largest))
 
     def field(self, values: ArrayLike) -> HermiteField:
         """Field of these data.

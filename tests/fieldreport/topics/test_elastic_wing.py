@@ -62,6 +62,19 @@ def test_a_diverging_iteration_is_stopped():
     assert len(at_rest.residuals) == 1
     with pytest.raises(ValueError, match=r"func\(x\) must be finite"):
         fixed_point(lambda x: x / 0 if np.any(x) else x + np.nan, 0.0)
+    assert not fixed_point(lambda x: x + 1, 0.0, maxiter=5).converged
+
+
+def test_values_keep_their_shape_and_may_be_complex():
+    """z = 2 + (3 + i) z has the solution -2 / (2 + i), which repetition does not find."""
+    found = fixed_point(lambda z: 2 + (3 + 1j) * z, 0.0)
+    assert found.converged
+    assert_close(found.value, np.array(-2 / (2 + 1j)), 1e-12)
+    for start, value, shape in ((1.0, np.ones(2), r"\(2,\)"), (np.ones(2), 1.0, r"\(\)")):
+        with pytest.raises(
+            ValueError, match=rf"func\(x\) must have the shape .* of x; got {shape}"
+        ):
+            fixed_point(lambda _, value=value: value, start)
 
 
 # --- the coupled problem --------------------------------------------------------------------------
