@@ -37,13 +37,15 @@ def as_line(points: ArrayLike, name: str = "points") -> np.ndarray:
     return as_points(p[:, None], name)
 
 
-def as_queries(x: ArrayLike, d: int) -> np.ndarray:
+def as_queries(x: ArrayLike, d: int, name: str = "x") -> np.ndarray:
     """Queries as a float array (..., d)."""
-    q = as_numbers(x, "x", complex_allowed=False)
+    q = as_numbers(x, name, complex_allowed=False)
     if q.ndim == 0 or q.shape[-1] != d:
         wanted = "1 coordinate" if d == 1 else f"{d} coordinates"
-        hint = "; for one variable write x[..., None]" if d == 1 else ""
-        raise ValueError(f"x must have {wanted} per point, shape (..., {d}); got {q.shape}{hint}")
+        hint = f"; for one variable write {name}[..., None]" if d == 1 else ""
+        raise ValueError(
+            f"{name} must have {wanted} per point, shape (..., {d}); got {q.shape}{hint}"
+        )
     return q
 
 
@@ -97,9 +99,9 @@ def unmasked(a: ArrayLike, name: str) -> ArrayLike:
         flat = np.ndim(a) == 1 and rows[0] is a
         remedy = f"{name}.compressed()" if flat else f"{name}[~mask]"
         raise ValueError(
-            f"{name} must have no masked entries; {masked} of {np.size(a)} are masked, and what "
-            f"they hide is not data; give {remedy}, and leave the same rows out of the arrays "
-            "that go with it"
+            f"{name} must have no masked entries, and {masked} of {np.size(a)} are masked: the "
+            f"numbers behind a mask are not data: leave them out, for instance by {remedy}, and "
+            "the same rows of the arrays that belong to it"
         )
     return a
 

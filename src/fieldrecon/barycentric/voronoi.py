@@ -172,7 +172,7 @@ def voronoi_weights(mesh: SimplexMesh, vertices: ArrayLike, x: ArrayLike) -> spa
 
 def as_inner_vertices(mesh: SimplexMesh, vertices: ArrayLike, name: str = "vertex") -> np.ndarray:
     """Indices of vertices; those on the boundary or of no cell are refused."""
-    given, n = np.asarray(vertices), len(mesh.points)
+    given, n = np.asarray(valid.unmasked(vertices, name)), len(mesh.points)
     if given.dtype.kind not in "iu" and given.size:
         raise ValueError(f"{name} must be an index of a point, an integer; got {vertices!r}")
     given = given.astype(np.intp)

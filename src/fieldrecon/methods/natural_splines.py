@@ -184,7 +184,7 @@ class NaturalCubicSpline(Reconstruction):
         raise TypeError("NaturalCubicSpline is not made from points (n, d): they have no axis")
 
     def _queries(self, x: ArrayLike) -> np.ndarray:
-        return super()._queries(np.asarray(x)[..., None])
+        return super()._queries(np.asarray(valid.unmasked(x, "x"))[..., None])
 
     def _prepare(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Data and moments (n, v) in the order of the knots."""

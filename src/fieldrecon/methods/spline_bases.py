@@ -9,7 +9,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike
 
-from fieldrecon._core.validation import as_degree, as_line, as_queries
+from fieldrecon._core.validation import as_degree, as_line, as_numbers, as_queries, unmasked
 
 
 def b_splines(knots: ArrayLike, degree: int, x: ArrayLike) -> np.ndarray:
@@ -163,7 +163,10 @@ def radial_form(
     >>> radial_form([0.0, 1.0, 2.0], [1.0, -2.0, 1.0], [0.0, 0.0])
     (array([ 0.5, -1. ,  0.5]), array([-3.,  3.]))
     """
-    x, alpha, beta = (np.asarray(a) for a in (points, alpha, beta))
+    x, alpha, beta = (
+        np.asarray(unmasked(a, name))
+        for a, name in ((points, "points"), (alpha, "alpha"), (beta, "beta"))
+    )
     first = beta[0] - np.tensordot(x**3, alpha, axes=1) / 2
     second = beta[1] + 1.5 * np.tensordot(x**2, alpha, axes=1)
     return alpha / 2, np.stack([first, second])
@@ -181,7 +184,7 @@ def _knots(knots: ArrayLike, degree: int) -> np.ndarray:
 
 
 def _numbers(x: ArrayLike) -> np.ndarray:
-    return as_queries(np.asarray(x)[..., None], 1)
+    return as_queries(as_numbers(x, "x", complex_allowed=False)[..., None], 1)
 
 
 def _quotient(a: np.ndarray, b: np.ndarray) -> np.ndarray:

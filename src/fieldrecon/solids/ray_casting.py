@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
+from fieldrecon.solids.constructive import as_box
 
 LIGHT = (-0.35, 0.5, 0.8)
 """Direction to the light: from the left, from above, and from the side of the viewer."""
@@ -238,8 +239,8 @@ class View:
         >>> View.of_box([[0, 0, 0], [2, 1, 1]], toward=[0, -1, 0], pixels=40).origins.shape
         (20, 40, 3)
         """
-        low, high = np.asarray(box, dtype=float)
-        axes = _axes(np.asarray(toward, dtype=float), np.asarray(up, dtype=float))
+        low, high = as_box(box)
+        axes = _axes(valid.as_queries(toward, 3, "toward"), valid.as_queries(up, 3, "up"))
         corners = np.stack(np.meshgrid(*zip(low, high, strict=True), indexing="ij"), axis=-1)
         projected = (corners.reshape(-1, 3) - low) @ axes
         first, last = projected.min(axis=0), projected.max(axis=0)
@@ -301,7 +302,7 @@ def ray_traced(
     hit = np.isfinite(distance)
     points = rays[hit] + distance[hit, None] * ahead
     image = np.zeros((len(rays), 4))
-    own = color(points) if callable(color) else np.asarray(color, dtype=float)
+    own = color(points) if callable(color) else valid.as_numbers(color, "color", False)
     image[hit, :3] = phong(-solid.gradient(points) @ view.axes, own)
     image[hit, 3] = 1
     return image.reshape(*view.origins.shape[:2], 4)

@@ -119,12 +119,14 @@ def _principal(coordinates: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, 
     return axes[:, :, 0], variances
 
 
-def as_cloud(points: ArrayLike, dimensions: tuple[int, ...] = (3,)) -> np.ndarray:
-    """Validate three or more points in space, or of one of the dimensions."""
+def as_cloud(
+    points: ArrayLike, dimensions: tuple[int, ...] = (3,), least: int = 3
+) -> np.ndarray:
+    """Validate three or more points in space, or of another dimension or least number."""
     p = valid.as_points(points)
-    if p.shape[1] not in dimensions or len(p) < 3:
+    if p.shape[1] not in dimensions or len(p) < least:
         shapes = " or ".join(f"(n, {d})" for d in dimensions)
-        raise ValueError(f"points must have the shape {shapes}, n at least 3; got {p.shape}")
+        raise ValueError(f"points must have the shape {shapes}, n at least {least}; got {p.shape}")
     return p
 
 
