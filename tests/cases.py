@@ -409,7 +409,6 @@ def hermite_cases() -> Iterator[Case]:
             d,
             SITES[d],
             exact=FLAT,
-            removable=False,
         )
 
 
@@ -427,8 +426,8 @@ def spline_cases() -> Iterator[Case]:
     def make(p, _):
         return SplineWithAxis(p)
 
-    yield Case("natural spline", make, 1, SITES[1], removable=False)
-    yield Case("natural spline on four sites", make, 1, 4, removable=False)
+    yield Case("natural spline", make, 1, SITES[1])
+    yield Case("natural spline on four sites", make, 1, 4)
 
 
 def polytope_cases() -> Iterator[Case]:

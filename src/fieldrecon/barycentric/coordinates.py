@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.chunks import rows_of
+from fieldrecon._core.chunks import Progress, rows_of
 from fieldrecon._numerics.jets import rows_of_jet, symmetric
 from fieldrecon.barycentric.polytope import KIND, ROUNDINGS, Polytope, hanging_vertices
 from fieldrecon.barycentric.wachspress import ProductForm
@@ -72,6 +73,12 @@ class ConvexCoordinates(Reconstruction):
                 self._decide(x, np.flatnonzero(lost) + part.start)
             entries[:, part] = np.einsum("enm,nv->emv", derivatives[d:], prepared)
         return symmetric(entries, d) / self._unit / self._unit
+
+    def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:  # noqa: ARG002
+        raise TypeError(
+            "coordinates have no leave-one-out residuals: each corner lies outside the polytope of "
+            "the other corners, where coordinates may have a pole and predict nothing"
+        )
 
     def _decide(self, x: np.ndarray, queries: np.ndarray, w: np.ndarray | None = None) -> None:
         """Set the weights at corners where more than d faces meet; refuse any other query."""
@@ -169,6 +176,14 @@ class BarycentricCoordinates(ConvexCoordinates):
             self._ends, self._pairs = _edges_by_twos(polytope)
         else:
             self._depth = _depths(polytope)
+
+    @classmethod
+    def _argument_names(cls) -> list[str]:
+        return []
+
+    @classmethod
+    def _made(cls, points: np.ndarray, **arguments: Any) -> Reconstruction:  # noqa: ARG003
+        return cls(points)
 
     @property
     def _corner_points(self) -> np.ndarray:

@@ -47,7 +47,7 @@ class Functionals:
     def __len__(self) -> int:
         return len(self.points)
 
-    def __getitem__(self, part: slice) -> Functionals:
+    def __getitem__(self, part: slice | np.ndarray) -> Functionals:
         """A part of the functionals."""
         return Functionals(
             self.points[part], self.value[part], self.gradient[part], self.laplacian[part]

@@ -119,9 +119,7 @@ def _principal(coordinates: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, 
     return axes[:, :, 0], variances
 
 
-def as_cloud(
-    points: ArrayLike, dimensions: tuple[int, ...] = (3,), least: int = 3
-) -> np.ndarray:
+def as_cloud(points: ArrayLike, dimensions: tuple[int, ...] = (3,), least: int = 3) -> np.ndarray:
     """Validate three or more points in space, or of another dimension or least number."""
     p = valid.as_points(points)
     if p.shape[1] not in dimensions or len(p) < least:
