@@ -65,6 +65,8 @@ CALLS: dict[str, Call] = {
     "Reconstruction.adjoint": (FITTED.adjoint, {"x": PLANE, "f": VALUES}),
     "Field.__call__": (FITTED.field(VALUES), {"x": PLANE}),
     "Field.gradient": (FITTED.field(VALUES).gradient, {"x": PLANE}),
+    "Field.hessian": (FITTED.field(VALUES).hessian, {"x": PLANE}),
+    "Field.laplacian": (FITTED.field(VALUES).laplacian, {"x": PLANE}),
     "RBF": (partial(fr.RBF, kernel=polyharmonic(3)), {"points": PLANE}),
     "RBF.coefficients": (SMOOTH.coefficients, {"values": VALUES}),
     "HermiteRBF.field": (
