@@ -7,9 +7,9 @@ A file is an NPZ archive of plain arrays, no pickles:
 - ``points`` (n, d) and ``values`` (n, ...): the sites and the data.
 
 ``method`` is an object of ``name`` (the class) and the other arguments of its constructor; a kernel
-is an object of ``name`` and its parameters, an array is nested lists, and the method within `OnGlobe` is
-an argument. A loaded field is fitted again. Its values are identical with the same versions of
-NumPy and SciPy on the same kind of processor, and equal up to rounding elsewhere.
+is an object of ``name`` and its parameters, an array is nested lists, and the method within
+`OnGlobe` is an argument. A loaded field is fitted again. Its values are identical with the same
+versions of NumPy and SciPy on the same kind of processor, and equal up to rounding elsewhere.
 
 In files of version 1, patches whose sites are in special position (on a line or a circle, say) were
 fitted with other polynomials, and of equally distant sites the first ones were taken. They are read
