@@ -155,10 +155,10 @@ class PatchesCase(Case):
             here = self.method._frame.local(self.sites[i])
             weight = level.patches.weights(np.array([j]), here[None, None])[0, 0]
             if i in own and weight > 0:
-                x = flattened(self.sites[own])
-                s = RBF(
-                    x[own != i], self.method.kernel, systems.degree, self.method.smoothing
-                ).field(self.data[own[own != i]])
+                x, others = flattened(self.sites[own]), own[own != i]
+                smoothing = np.broadcast_to(self.method.smoothing, self.n)[others]
+                refit = RBF(x[own != i], self.method.kernel, systems.degree, smoothing)
+                s = refit.field(self.data[others])
                 total += weight * s(x[own == i][0])
                 weights += weight
         return total / weights
@@ -409,7 +409,6 @@ def hermite_cases() -> Iterator[Case]:
             d,
             SITES[d],
             exact=FLAT,
-            removable=False,
         )
 
 
@@ -427,8 +426,8 @@ def spline_cases() -> Iterator[Case]:
     def make(p, _):
         return SplineWithAxis(p)
 
-    yield Case("natural spline", make, 1, SITES[1], removable=False)
-    yield Case("natural spline on four sites", make, 1, 4, removable=False)
+    yield Case("natural spline", make, 1, SITES[1])
+    yield Case("natural spline on four sites", make, 1, 4)
 
 
 def polytope_cases() -> Iterator[Case]:

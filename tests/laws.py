@@ -485,7 +485,7 @@ def leave_one_out_equals_refits(case: Case) -> None:
     The patches of a partition of unity stay the same in the refit.
     """
     if not case.removable:
-        with refused("is not made from points", TypeError):
+        with refused("outside the polytope of the other corners", TypeError):
             leave_one_out(case.method, case.data)
         return
     if case.n == len(all_monomials(case.sites[:1], max(case.method.degree, 0))[0]):
@@ -493,7 +493,7 @@ def leave_one_out_equals_refits(case: Case) -> None:
             leave_one_out(case.method, case.data)
         return
     residuals = leave_one_out(case.method, case.data)
-    for i in (0, 7, case.n - 1):
+    for i in (0, 7 % case.n, case.n - 1):
         assert_close(residuals[i], case.data[i] - case.without(i), 1000 * case.exact)
 
 

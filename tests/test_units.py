@@ -41,7 +41,7 @@ from fieldrecon.velocity.gradients import (
     local_rbf,
     vertex_gradients,
 )
-from fieldrecon.velocity.vertices import divergence, vertex_velocities
+from fieldrecon.velocity.vertices import divergence, point_velocities, vertex_velocities
 from fieldreport.experiments.coupling.plate import Plate, isotropic_rigidity
 from laws import assert_close
 
@@ -88,6 +88,7 @@ def velocities(d, unit):
         cells.defect,
         raviart_thomas(mesh, v),
         vertex_velocities(mesh, v).values,
+        point_velocities(mesh, v, mesh.cell_centers[::9], inverse_square(0.1 * unit)).values,
         vertex_velocities_from_cells(mesh, cells.values),
         divergence(mesh, v) * unit,
         *gradients,

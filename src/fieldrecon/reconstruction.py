@@ -12,7 +12,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from functools import partial
 from inspect import signature
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -47,6 +47,8 @@ class Reconstruction(ABC):
     points: np.ndarray
     degree: int
     interpolates: bool
+    _each_site: ClassVar[tuple[str, ...]] = ()
+    """Names of the arguments that may be arrays with an entry for each site."""
 
     def field(self, values: ArrayLike) -> Field:
         """Field of these data.
@@ -211,6 +213,9 @@ class Reconstruction(ABC):
     def _without(self, i: int) -> Reconstruction:
         """The same method on the other sites."""
         arguments = self._arguments()
+        for name in self._each_site:
+            if np.ndim(arguments[name]):
+                arguments[name] = np.delete(arguments[name], i, axis=0)
         reason = "there are none"
         if len(self.points) > 1:
             try:

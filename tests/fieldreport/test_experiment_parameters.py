@@ -98,32 +98,33 @@ def test_a_list_of_sizes_may_be_given_in_any_order():
                 assert replace(quick, **{parameter: value[::-1]}) == quick, (name, parameter)
 
 
-@pytest.mark.parametrize(
-    ("name", "changes", "words"),
-    [
-        ("adaptive_front", {"coarsen": 0.1}, "coarsen must be less than refine; got 0.1"),
-        ("cell_velocity", {"triangle": (0.0, 0, 1, 1, 2, 2)}, "triangle must be three corners"),
-        ("elastic_wing", {"angle": -4.5, "incidence": (4.5, 4.5), "camber": 0.0}, "angle must be"),
-        ("epsilon_sweep", {"largest": 1e-4}, "largest must be 0.001 or more, 10 times smallest"),
-        ("epsilon_sweep", {"noises": (0.1, 0.5)}, "noises must be a list with 0"),
-        ("epsilon_sweep", {"shown_noise": 0.1}, "shown_noise must be one of noises; got 0.1"),
-        ("fluid_animation", {"finest": 0.3}, "finest must be spacing or less; got 0.3"),
-        ("high_dimensions", {"at": 4}, "at must be one of variables; got 4"),
-        ("high_dimensions", {"at": 100}, "more must be 102 or more each"),
-        ("hexagon_spiral", {"steps": 5}, r"steps must be 7 or more \(the first .*\); got 5"),
-        ("partition_of_unity", {"told": 16}, "told must be one of sizes; got 16"),
-        ("partition_of_unity", {"queries": 200_000}, "queries must be 138032 or less"),
-        ("polyhedra", {"shifts": 2}, "shifts must be so many that two"),
-        ("polyhedra", {"largest_shift": 1e-10}, "largest_shift must be 2e-10 or more"),
-        ("power_sampling", {"powers": (1,)}, "powers must be a list with 2 or more"),
-        ("pressure_gradients", {"largest": 0.01}, "largest must be more than smallest; got 0.01"),
-        ("terrain", {"shown_degree": 3}, "shown_degree must be one of degrees; got 3"),
-    ],
-)
-def test_contradictory_parameters_are_refused(name, changes, words):
+CONTRADICTIONS = [
+    ("adaptive_front", {"coarsen": 0.1}, "coarsen must be less than refine; got 0.1"),
+    ("cell_velocity", {"triangle": (0.0, 0, 1, 1, 2, 2)}, "triangle must be three corners"),
+    ("elastic_wing", {"angle": -4.5, "incidence": (4.5, 4.5), "camber": 0.0}, "angle must be"),
+    ("epsilon_sweep", {"largest": 1e-4}, "largest must be 0.001 or more, 10 times smallest"),
+    ("epsilon_sweep", {"noises": (0.1, 0.5)}, "noises must be a list with 0"),
+    ("epsilon_sweep", {"shown_noise": 0.1}, "shown_noise must be one of noises; got 0.1"),
+    ("fluid_animation", {"finest": 0.3}, "finest must be spacing or less; got 0.3"),
+    ("high_dimensions", {"at": 4}, "at must be one of variables; got 4"),
+    ("high_dimensions", {"at": 100}, "more must be 102 or more each"),
+    ("hexagon_spiral", {"steps": 5}, r"steps must be 7 or more \(the first .*\); got 5"),
+    ("partition_of_unity", {"told": 16}, "told must be one of sizes; got 16"),
+    ("partition_of_unity", {"queries": 200_000}, "queries must be 138032 or less"),
+    ("polyhedra", {"shifts": 2}, "shifts must be so many that two"),
+    ("polyhedra", {"largest_shift": 1e-10}, "largest_shift must be 2e-10 or more"),
+    ("power_sampling", {"powers": (1,)}, "powers must be a list with 2 or more"),
+    ("pressure_gradients", {"largest": 0.01}, "largest must be more than smallest; got 0.01"),
+    ("terrain", {"shown_degree": 3}, "shown_degree must be one of degrees; got 3"),
+]
+
+
+def test_contradictory_parameters_are_refused():
     """The message has the form of the messages about domains."""
-    with pytest.raises(ValueError, match=f"parameter {words}"):
-        replace(experiments.get(name).quick, **changes)
+    for name, changes, words in CONTRADICTIONS:
+        quick = experiments.get(name).quick
+        with pytest.raises(ValueError, match=f"parameter {words}"):
+            replace(quick, **changes)
 
 
 def near(domain, value, low, high):
@@ -165,13 +166,13 @@ def assert_names_a_parameter(error, changes):
 
 
 def assert_result_is_valid(result):
-    """Every table has distinct columns and rows, and every number is finite."""
+    """Every table has distinct columns and rows; an array holds no NaN, but may have a gap."""
     assert result.facts
     for name, table in result.tables.items():
         assert len(set(table.columns)) == len(table.columns), name
         assert len(set(table.rows)) == len(table.rows), name
     for name, array in result.arrays.items():
-        assert array.dtype.kind not in "fc" or np.isfinite(array).all(), name
+        assert array.dtype.kind not in "fc" or not np.isnan(array).any(), name
 
 
 def assert_labels_are_inside(name, page):
@@ -221,8 +222,8 @@ def test_an_order_needs_two_sizes_and_positive_errors():
     for sizes in ([8], [8, 8], []):
         with pytest.raises(ValueError, match="order of convergence needs two different sizes"):
             order(sizes, [0.1] * len(sizes))
-    for errors in ([0.0, 1.0], [-1.0, 1.0], [math.nan, 1.0], [math.inf, 1.0]):
-        with pytest.raises(ValueError, match="order of convergence needs positive errors; got"):
+    for errors in ([0.0, 1.0], [1e-14, 1.0], [-1.0, 1.0], [math.nan, 1.0], [math.inf, 1.0]):
+        with pytest.raises(ValueError, match="order of convergence needs errors above 1e-13; got"):
             order([1, 2], errors)
 
 

@@ -47,11 +47,15 @@ def heights(points: np.ndarray) -> np.ndarray:
     return height
 
 
-def refuse_coincident(points: np.ndarray, message: str) -> None:
-    """Refuse coincident points; `{pairs}` in the message becomes the indices of some of them."""
-    first = first_of_equal(points)
-    later = np.flatnonzero(first != np.arange(len(points)))
+def refuse_coincident(points: np.ndarray, message: str, some: np.ndarray | None = None) -> None:
+    """Refuse coincident points; `{pairs}` in the message becomes the indices of some of them.
+
+    With indices `some` in ascending order, only these points are compared.
+    """
+    some = np.arange(len(points)) if some is None else some
+    first = first_of_equal(points[some])
+    later = np.flatnonzero(first != np.arange(len(some)))
     if len(later):
-        pairs = ", ".join(f"{first[j]} and {j}" for j in later[:5])
+        pairs = ", ".join(f"{some[first[j]]} and {some[j]}" for j in later[:5])
         more = f" and {len(later) - 5} more" if len(later) > 5 else ""
         raise ValueError(message.format(pairs=pairs + more))

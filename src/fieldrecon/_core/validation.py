@@ -16,13 +16,13 @@ MAX_SHOWN = 6
 """Coordinates of a format_point that an error spells out."""
 
 
-def as_points(points: ArrayLike, name: str = "points") -> np.ndarray:
-    """Sites as a read-only float array (n, d) with n, d at least 1."""
-    p = _as_numbers(points, name, complex_allowed=False)
+def as_points(points: ArrayLike, name: str = "points", none_allowed: bool = False) -> np.ndarray:
+    """Sites as a read-only float array (n, d), d and n at least 1; n may be zero where allowed."""
+    p = as_numbers(points, name, complex_allowed=False)
     if p.ndim != 2 or p.shape[1] == 0:
         hint = f"; for one variable write {name}[:, None]" if p.ndim == 1 else ""
         raise ValueError(f"{name} must have the shape (n, d); got {p.shape}{hint}")
-    if len(p) == 0:
+    if len(p) == 0 and not none_allowed:
         raise ValueError(f"{name} must hold at least one point; got the shape {p.shape}")
     p = p.copy()
     p.flags.writeable = False
@@ -31,25 +31,27 @@ def as_points(points: ArrayLike, name: str = "points") -> np.ndarray:
 
 def as_line(points: ArrayLike, name: str = "points") -> np.ndarray:
     """Sites on a line, given without an axis, as a read-only float array (n, 1), n at least 1."""
-    p = _as_numbers(points, name, complex_allowed=False)
+    p = as_numbers(points, name, complex_allowed=False)
     if p.ndim != 1 or len(p) == 0:
         raise ValueError(f"{name} must have the shape (n,), without an axis; got {p.shape}")
     return as_points(p[:, None], name)
 
 
-def as_queries(x: ArrayLike, d: int) -> np.ndarray:
+def as_queries(x: ArrayLike, d: int, name: str = "x") -> np.ndarray:
     """Queries as a float array (..., d)."""
-    q = _as_numbers(x, "x", complex_allowed=False)
+    q = as_numbers(x, name, complex_allowed=False)
     if q.ndim == 0 or q.shape[-1] != d:
         wanted = "1 coordinate" if d == 1 else f"{d} coordinates"
-        hint = "; for one variable write x[..., None]" if d == 1 else ""
-        raise ValueError(f"x must have {wanted} per point, shape (..., {d}); got {q.shape}{hint}")
+        hint = f"; for one variable write {name}[..., None]" if d == 1 else ""
+        raise ValueError(
+            f"{name} must have {wanted} per point, shape (..., {d}); got {q.shape}{hint}"
+        )
     return q
 
 
 def as_values(values: ArrayLike, n: int, name: str = "values", of: str = "point") -> np.ndarray:
     """Data as a float or complex array (n, ...), one row for each point."""
-    v = _as_numbers(values, name, complex_allowed=True)
+    v = as_numbers(values, name, complex_allowed=True)
     if v.ndim == 0 or len(v) != n:
         raise ValueError(
             f"{name} must have one entry for each {of}, shape ({n}, ...); got {v.shape}"
@@ -86,7 +88,27 @@ def as_length(length: float, name: str, zero_allowed: bool = False) -> float:
     return number
 
 
-def _as_numbers(a: ArrayLike, name: str, complex_allowed: bool) -> np.ndarray:
+def unmasked(a: ArrayLike, name: str) -> ArrayLike:
+    """The argument, refused if it is a masked array with a masked entry.
+
+    `np.asarray` would drop the mask, and make data of what it hides.
+    """
+    rows = a if isinstance(a, list | tuple) else [a]
+    masked = sum(int(np.ma.count_masked(row)) for row in rows if np.ma.isMaskedArray(row))
+    if masked:
+        flat = np.ndim(a) == 1 and rows[0] is a
+        remedy = f"{name}.compressed()" if flat else f"{name}[~mask]"
+        raise ValueError(
+            f"{name} must have no masked entries, and {masked} of {np.size(a)} are masked: the "
+            f"numbers behind a mask are not data: leave them out, for instance by {remedy}, and "
+            "the same rows of the arrays that belong to it"
+        )
+    return a
+
+
+def as_numbers(a: ArrayLike, name: str, complex_allowed: bool = True) -> np.ndarray:
+    """Finite numbers of any shape as a float or complex array, which may be the argument itself."""
+    a = unmasked(a, name)
     try:
         array = np.asarray(a)
     except ValueError:

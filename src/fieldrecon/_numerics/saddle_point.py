@@ -31,15 +31,22 @@ _COLUMNS = 64  # right-hand sides of a sparse system that are solved at once
 class SaddlePoint:
     """Factored dense system; the lower triangle of `a` (n, n), Fortran-contiguous, is overwritten.
 
+    With factors s (n,) its first n rows and columns are multiplied by them before it is factored.
+    The rotation by Q would spread the rounding of a large diagonal entry over the whole matrix.
+
     Raises
     ------
     numpy.linalg.LinAlgError
         If Z^T A Z is singular in floating-point numbers.
     """
 
-    def __init__(self, a: np.ndarray, p: np.ndarray) -> None:
+    def __init__(self, a: np.ndarray, p: np.ndarray, factors: np.ndarray | None = None) -> None:
+        self._factors = np.ones((len(a), 1)) if factors is None else factors[:, None]
+        if factors is not None:
+            a *= self._factors
+            a *= self._factors.T
         with blas_threads_for(len(a) ** 3 / 3):
-            self._make(a, p)
+            self._make(a, self._factors * p)
 
     def _make(self, a: np.ndarray, p: np.ndarray) -> None:
         q = p.shape[1]
@@ -61,7 +68,7 @@ class SaddlePoint:
 
     def _solved(self, f: np.ndarray, g: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
         q = self._q
-        rotated = self._rotated_back(f, transpose=True)
+        rotated = self._rotated_back(self._factors * f, transpose=True)
         head = rotated[:q].copy()
         first = np.zeros_like(head) if g is None else self._triangular(g, "T")
         rotated[:q] = 0.0
@@ -70,9 +77,9 @@ class SaddlePoint:
         y = self._null_space_solve(rotated)
         y[:q] = first
         if not q:
-            return y, head
+            return self._factors * y, head
         c = self._triangular(head - self._a11 @ first - self._a21.T @ y[q:])
-        return self._rotated_back(y, transpose=False), c
+        return self._factors * self._rotated_back(y, transpose=False), c
 
     def __len__(self) -> int:
         return len(self._factor)
@@ -163,6 +170,19 @@ class SparseSaddlePoint(SaddlePoint):
             part = slice(start, start + _COLUMNS)
             result[:, part] = self._lu.solve(np.ascontiguousarray(f[:, part]))
         return result
+
+
+def balancing(diagonal: np.ndarray, column: np.ndarray) -> np.ndarray:
+    """Powers of two s (..., n) for which no s_i^2 A_ii exceeds the size of A much.
+
+    This size is that of the first column (..., n - 1) below the diagonal (..., n), or of the
+    smallest entry of the diagonal. So entries that a large smoothing was added to become one in
+    size, and the other rows and columns stay as they are.
+    """
+    diagonal = np.abs(diagonal)
+    size = np.maximum(np.abs(column).max(axis=-1, initial=0.0), diagonal.min(axis=-1))[..., None]
+    ratio = diagonal / np.where(size > 0, size, np.inf)
+    return np.exp2(-np.ceil(np.log2(np.maximum(ratio, 1.0)) / 2))
 
 
 def entries_of_factor(entries: int, n: int, d: int) -> float:

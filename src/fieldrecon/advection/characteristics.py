@@ -68,7 +68,7 @@ def departure_points(
     >>> departure_points([[0.0, 1.0]], turn, np.pi / 6, np.pi / 6).round(3)
     array([[0.5  , 0.866]])
     """
-    x = valid.as_points(x, "x")
+    x = valid.as_points(x, "x", none_allowed=True)
     if scheme not in SCHEMES:
         raise ValueError(f"scheme must be one of {', '.join(SCHEMES)}; got {scheme!r}")
     stages, weights = SCHEMES[scheme]
@@ -116,7 +116,7 @@ class Snapshots:
     fields: Sequence[Field]
 
     def __post_init__(self) -> None:
-        times = np.asarray(self.times, dtype=float)
+        times = np.asarray(valid.unmasked(self.times, "times"), dtype=float)
         if times.shape != (len(self.fields),) or len(times) < 2 or not (np.diff(times) > 0).all():
             raise ValueError(
                 "times must increase, one for each of at least two fields; got "

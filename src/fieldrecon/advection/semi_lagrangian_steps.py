@@ -5,6 +5,7 @@ After each step the values may be limited to bounds and to a conserved total mas
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
@@ -159,10 +160,13 @@ def _march(
                 inflow,
                 store_weights=steady,
             )
-        flat = state.values.reshape(len(state.values), -1)
+        flat = state.values.reshape(len(state.values), math.prod(state.values.shape[1:]))
         fixed = step.inflow_values(inflow, t, state.values.shape[1:])
         advected = limiter.apply(step, flat, step.advect(flat, fixed), fixed)
-        before, state = state, State(t, following, advected.reshape(-1, *state.values.shape[1:]))
+        before, state = (
+            state,
+            State(t, following, advected.reshape(len(advected), *state.values.shape[1:])),
+        )
         yield state
 
 
@@ -181,7 +185,7 @@ def self_advecting(now: State, before: State | None) -> Velocity:
 
 
 def _as_times(times: ArrayLike) -> list[float]:
-    t = np.asarray(times, dtype=float)
+    t = np.asarray(valid.unmasked(times, "times"), dtype=float)
     if t.ndim != 1 or len(t) < 1 or not np.isfinite(t).all() or not (np.diff(t) > 0).all():
         raise ValueError(f"times must be increasing finite numbers (k,); got {times!r:.80}")
     return [float(s) for s in t]

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.chunks import rows_of
+from fieldrecon._core.chunks import Progress, rows_of
 from fieldrecon._numerics.jets import rows_of_jet, symmetric
-from fieldrecon.barycentric.polytope import KIND, Polytope
+from fieldrecon.barycentric.polytope import KIND, ROUNDINGS, Polytope, hanging_vertices
 from fieldrecon.barycentric.wachspress import ProductForm
-from fieldrecon.polynomials import EPS, Frame
+from fieldrecon.polynomials import EPS, Frame, resolution
 from fieldrecon.reconstruction import Reconstruction
 
 
@@ -32,6 +33,11 @@ class ConvexCoordinates(Reconstruction):
     _form: ProductForm
     _unit: float
     _nearness = EPS  # distance from a corner, in units, up to which its own weight is one
+
+    @property
+    def _corner_points(self) -> np.ndarray:
+        """The points to which the weights of the form belong."""
+        return self.points
 
     @abstractmethod
     def _heights(self, x: np.ndarray) -> np.ndarray:
@@ -68,10 +74,16 @@ class ConvexCoordinates(Reconstruction):
             entries[:, part] = np.einsum("enm,nv->emv", derivatives[d:], prepared)
         return symmetric(entries, d) / self._unit / self._unit
 
+    def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:  # noqa: ARG002
+        raise TypeError(
+            "coordinates have no leave-one-out residuals: each corner lies outside the polytope of "
+            "the other corners, where coordinates may have a pole and predict nothing"
+        )
+
     def _decide(self, x: np.ndarray, queries: np.ndarray, w: np.ndarray | None = None) -> None:
         """Set the weights at corners where more than d faces meet; refuse any other query."""
         for k in queries:
-            distance = np.abs(self.points / self._unit - x[k] / self._unit).max(axis=1)
+            distance = np.abs(self._corner_points / self._unit - x[k] / self._unit).max(axis=1)
             i = int(distance.argmin())
             at_corner = self._form.crowded[i] and distance[i] <= self._nearness
             where = f"({valid.format_point(x[k])})"
@@ -112,16 +124,23 @@ class BarycentricCoordinates(ConvexCoordinates):
     They are positive inside and reproduce linear fields everywhere. Outside they may be negative,
     and where the sum vanishes (on a curve or surface beyond the polytope) they have a pole.
 
+    A vertex of a polygon inside an edge (a hanging vertex) has the limit of its coordinate as it
+    moves onto the edge: on the edge it is linear from vertex to vertex, and elsewhere zero, since
+    vol_i vanishes. Linear fields are reproduced, but fields with other values at the vertex are not
+    continuous at that edge. On a face of a polyhedron that limit depends on the direction, and such
+    a vertex is refused.
+
     Parameters
     ----------
     vertices : (n, d) array_like
         Corners of the polytope, d = 2 or 3, in any order. Faces with more than three corners must
-        be flat up to rounding.
+        be flat up to rounding. In the plane, also vertices inside an edge.
 
     Raises
     ------
     ValueError
-        If a vertex is repeated, or is not a corner of the convex hull; if d is not 2 or 3.
+        If a vertex is repeated, or is not a corner of the convex hull; if d is not 2 or 3; for a
+        gradient on an edge with inner vertices.
     numpy.linalg.LinAlgError
         If the vertices lie on a line or in a plane; later, for a query at a pole.
 
@@ -147,13 +166,79 @@ class BarycentricCoordinates(ConvexCoordinates):
             raise ValueError(f"vertices must have 2 or 3 coordinates; got the shape {(n, d)}")
         frame = Frame.around(self.points)
         self._unit, self._center = frame.scale, frame.center / frame.scale
-        polytope = Polytope.of(self.points)
+        self._rounding = ROUNDINGS * resolution(self.points)
+        everything: tuple[np.ndarray, list[np.ndarray]] = np.arange(n), []
+        self._vertices, self._edges = hanging_vertices(self.points) if d == 2 else everything
+        polytope = Polytope.of(self._corner_points)
         self._corners = polytope.corners
         self._form = ProductForm(polytope.normals, polytope.corner_faces)
         if d == 2:
             self._ends, self._pairs = _edges_by_twos(polytope)
         else:
             self._depth = _depths(polytope)
+
+    @classmethod
+    def _argument_names(cls) -> list[str]:
+        return []
+
+    @classmethod
+    def _made(cls, points: np.ndarray, **arguments: Any) -> Reconstruction:  # noqa: ARG003
+        return cls(points)
+
+    @property
+    def _corner_points(self) -> np.ndarray:
+        return self.points[self._vertices]
+
+    def _weight_rows(self, x: np.ndarray) -> np.ndarray:
+        w = super()._weight_rows(x)
+        if not self._edges:
+            return w
+        rows = self._with_hanging(w)
+        for edge in self._edges:
+            on, t = self._on_edge(x, edge)
+            rows[on] = 0.0
+            knots = self._along(self.points[edge], edge)
+            for i, hat in zip(edge, np.eye(len(edge)), strict=True):
+                rows[on, i] = np.interp(t[on], knots, hat)
+        return rows
+
+    def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
+        self._refuse_edges(x)
+        g = super()._gradient_weight_rows(x)
+        return tuple(map(self._with_hanging, g)) if self._edges else g
+
+    def _hessian_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
+        self._refuse_edges(x)
+        return super()._hessian_rows(x, prepared[self._vertices])
+
+    def _refuse_edges(self, x: np.ndarray) -> None:
+        """Refuse queries on edges with inner vertices, where there are no derivatives."""
+        for edge in self._edges:
+            on, _ = self._on_edge(x, edge)
+            if on.any():
+                raise ValueError(
+                    f"the coordinates have no gradient at ({valid.format_point(x[on][0])}), on an "
+                    f"edge with vertices inside it, such as vertex {edge[1]}"
+                )
+
+    def _with_hanging(self, w: np.ndarray) -> np.ndarray:
+        """Weights (m, n) from those of the corners, zero for the hanging vertices."""
+        rows = np.zeros((len(w), len(self.points)))
+        rows[:, self._vertices] = w
+        return rows
+
+    def _along(self, x: np.ndarray, edge: np.ndarray) -> np.ndarray:
+        """Parameters of points along an edge, exactly 0 and 1 at its ends."""
+        a, b = self.points[edge[0]], self.points[edge[-1]]
+        along, here = (b - a) / self._unit, (x - a) / self._unit
+        return (here @ along) / (along @ along)
+
+    def _on_edge(self, x: np.ndarray, edge: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Whether queries (m, 2) are on an edge within rounding, and their parameters along it."""
+        a, b = self.points[edge[0]], self.points[edge[-1]]
+        t = self._along(x, edge)
+        foot = a + np.clip(t, 0.0, 1.0)[:, None] * (b - a)
+        return np.linalg.norm((x - foot) / self._unit, axis=1) <= self._rounding, t
 
     def _heights(self, x: np.ndarray) -> np.ndarray:
         local = x.T.copy()

@@ -12,6 +12,9 @@ from fieldrecon.polynomials import Frame, resolution
 
 KIND = {2: "polygon", 3: "polyhedron"}
 
+ROUNDINGS = 32
+"""Distance from an edge or face within which a point is on it, in roundings of the points."""
+
 
 @dataclass(frozen=True)
 class Polytope:
@@ -47,7 +50,7 @@ class Polytope:
         numpy.linalg.LinAlgError
             If all points lie on a line, or in a plane.
         """
-        tolerance = 32 * resolution(points)
+        tolerance = ROUNDINGS * resolution(points)
         corners = points / Frame.around(points).scale
         _require_dimension(corners, tolerance)
         _require_distinct(points, corners, tolerance)
@@ -74,6 +77,54 @@ def in_order(normals: np.ndarray, at: np.ndarray) -> np.ndarray:
         return at
     unit = normals[at] / np.linalg.norm(normals[at], axis=1)[:, None]
     return at[around(unit, unit.sum(axis=0))]
+
+
+def hanging_vertices(points: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Corners of a convex polygon (n, 2), and the vertices along each edge that has inner ones.
+
+    A vertex is inside an edge if it is no farther from it than rounding. All vertices are corners
+    if one of them is neither a corner nor inside an edge.
+
+    Returns
+    -------
+    corners : (k,) ndarray of int
+        Increasing.
+    edges : list of ndarray
+        Vertices from one end of an edge to the other.
+    """
+    tolerance = ROUNDINGS * resolution(points)
+    p = points / Frame.around(points).scale
+    _require_dimension(p, tolerance)
+    _require_distinct(points, p, tolerance)
+    everything: tuple[np.ndarray, list[np.ndarray]] = np.arange(len(p)), []
+    try:
+        ring = ConvexHull(p - p.mean(axis=0)).vertices.tolist()
+    except QhullError:
+        return everything
+    straight = True
+    while straight and len(ring) > 2:
+        height = _heights(p[ring], p[np.roll(ring, 1)], p[np.roll(ring, -1)])[0]
+        straight = bool(height.min() <= tolerance)
+        if straight:
+            del ring[int(height.argmin())]
+    if len(ring) < 3:
+        return everything
+    rest, edges = np.setdiff1d(np.arange(len(p)), ring), []
+    for a, b in zip(ring, np.roll(ring, -1), strict=True):
+        height, t = _heights(p[rest], p[a], p[b])
+        on = (height <= tolerance) & (t > 0) & (t < 1)
+        if on.any():
+            edges.append(np.array([a, *rest[on][np.argsort(t[on])], b]))
+    found = sum(len(edge) - 2 for edge in edges) == len(rest)
+    return (np.sort(ring), edges) if found else everything
+
+
+def _heights(p: np.ndarray, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distances of points from the lines through a and b, and their parameters, from 0 to 1."""
+    along, away = b - a, p - a
+    squared = (along**2).sum(axis=-1)
+    cross = along[..., 0] * away[..., 1] - along[..., 1] * away[..., 0]
+    return np.abs(cross) / np.sqrt(squared), (along * away).sum(axis=-1) / squared
 
 
 def _faces(corners: np.ndarray, tolerance: float) -> tuple[list[np.ndarray], np.ndarray]:

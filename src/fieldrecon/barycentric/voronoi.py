@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +18,7 @@ from fieldrecon.barycentric.wachspress import ProductForm
 from fieldrecon.meshes import simplices
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import EPS, power_of_two_above, resolution
+from fieldrecon.reconstruction import Reconstruction
 
 # Relative height below which a height counts as one that vanishes at a corner.
 _LOW = 1e-6
@@ -81,6 +83,10 @@ class VoronoiCell(ConvexCoordinates):
         opposite = star[star != i].reshape(len(cells), -1)
         neighbors, faces = np.unique(opposite, return_inverse=True)
         faces = faces.reshape(opposite.shape)
+        own, local = np.unique(star, return_inverse=True)
+        # what a file keeps of the mesh: the cells round the vertex, with their numbers
+        vertex = int(np.searchsorted(own, i))
+        self._star = vertex, mesh.points[own], local.reshape(star.shape), cells
         self._center = mesh.points[i]
         edges = mesh.points[neighbors] - self._center
         self._unit = float(power_of_two_above(np.abs(edges).max()))
@@ -95,6 +101,21 @@ class VoronoiCell(ConvexCoordinates):
         normals = normals[real]
         self._form = ProductForm(normals, [in_order(normals, at) for at in meeting])
         self._crowded = [(a, at) for a, at in enumerate(meeting) if len(at) > len(self._center)]
+
+    def _arguments(self) -> dict[str, Any]:
+        return dict(zip(self._argument_names(), self._star, strict=True))
+
+    @classmethod
+    def _argument_names(cls) -> list[str]:
+        return ["vertex", "nodes", "star", "numbers"]
+
+    @classmethod
+    def _made(cls, points: np.ndarray, **arguments: Any) -> Reconstruction:  # noqa: ARG003
+        cell = cls(SimplexMesh(arguments["nodes"], arguments["star"]), arguments["vertex"])
+        numbers = np.asarray(arguments["numbers"])
+        cell.cells = tuple(numbers[own] for own in cell.cells)
+        cell._star = tuple(arguments[name] for name in cls._argument_names())
+        return cell
 
     def _heights(self, x: np.ndarray) -> np.ndarray:
         """Heights (f, m) in units of l_b^2, exactly zero at corners of more than d faces."""
@@ -172,7 +193,7 @@ def voronoi_weights(mesh: SimplexMesh, vertices: ArrayLike, x: ArrayLike) -> spa
 
 def as_inner_vertices(mesh: SimplexMesh, vertices: ArrayLike, name: str = "vertex") -> np.ndarray:
     """Indices of vertices; those on the boundary or of no cell are refused."""
-    given, n = np.asarray(vertices), len(mesh.points)
+    given, n = np.asarray(valid.unmasked(vertices, name)), len(mesh.points)
     if given.dtype.kind not in "iu" and given.size:
         raise ValueError(f"{name} must be an index of a point, an integer; got {vertices!r}")
     given = given.astype(np.intp)

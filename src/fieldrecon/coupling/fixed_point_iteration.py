@@ -55,14 +55,15 @@ def fixed_point(
         ω_k = -ω_{k-1} r_{k-1} · (r_k - r_{k-1}) / |r_k - r_{k-1}|²,
 
     which is the secant method in one variable. It finds the fixed point of an affine function of
-    one variable in two steps, whether or not the plain iteration converges.
+    one variable in two steps, whether or not the plain iteration converges. For complex values
+    a · b is Σ a conj(b), and ω is complex.
 
     Parameters
     ----------
     func : callable
-        Takes and returns arrays of one shape.
+        Takes an array and returns an array of the same shape.
     x0 : (...) array_like
-        The first value.
+        The first value, real or complex.
     relaxation : float, optional
         A fixed ω; 1 is the plain iteration. Without it, ω is Aitken's.
     initial_relaxation : float
@@ -76,6 +77,11 @@ def fixed_point(
     -------
     FixedPoint
 
+    Raises
+    ------
+    ValueError
+        If x0 or a value of func is not finite, or func changes the shape.
+
     References
     ----------
     Irons and Tuck (1969); Küttler and Wall (2008), for fluids and structures.
@@ -88,17 +94,27 @@ def fixed_point(
     >>> round(float(found.value), 12), len(found.residuals)
     (1.0, 3)
     """
-    x = np.array(x0, dtype=float)
-    omega = initial_relaxation if relaxation is None else float(relaxation)
+    x = valid.as_numbers(x0, "x0").copy()
+    omega: complex = initial_relaxation if relaxation is None else float(relaxation)
     residuals: list[float] = []
     before: np.ndarray | None = None
     while True:
-        r = valid.as_values([func(x)], 1, "func(x)")[0] - x
+        r = _residual(func, x)
         residuals.append(float(np.linalg.norm(r)))
         small = residuals[-1] <= tol * residuals[0]
         if small or len(residuals) > maxiter or residuals[-1] > DIVERGED * residuals[0]:
             return FixedPoint(x, np.array(residuals), small)
         if relaxation is None and before is not None:
             change = r - before
-            omega *= -float((before * change).sum() / (change**2).sum())
+            squares = float((np.abs(change) ** 2).sum())
+            if squares > 0:  # a residual that stays as it is does not show another factor
+                omega *= -(before * change.conj()).sum() / squares
         x, before = x + omega * r, r
+
+
+def _residual(func: Callable[[np.ndarray], np.ndarray], x: np.ndarray) -> np.ndarray:
+    """Residual func(x) - x, of the shape of x."""
+    value = valid.as_numbers(func(x), "func(x)")
+    if value.shape != x.shape:
+        raise ValueError(f"func(x) must have the shape {x.shape} of x; got {value.shape}")
+    return value - x

@@ -208,9 +208,9 @@ def refuse_lost_moments(method: Reconstruction) -> None:
 def warn_of_large_weights(coupling: Coupling | FlatCoupling, thinness: float) -> None:
     """Warn of a node of the surface whose absolute weights have a large sum."""
     sums = coupling.row_norms()
-    worst = int(sums.argmax())
-    if sums[worst] <= MAX_ROW_NORM:
+    if sums.max(initial=0.0) <= MAX_ROW_NORM:
         return
+    worst = int(sums.argmax())
     flat = isinstance(coupling, FlatCoupling)
     thin = "" if flat else f", or flatness={2 * thinness:.1g} if the structure is meant to be flat"
     warnings.warn(

@@ -34,7 +34,7 @@ def rigid_motions(points: ArrayLike, about: ArrayLike | None = None) -> np.ndarr
     array([[ 1.,  0., -1.],
            [ 0.,  1.,  3.]])
     """
-    p = valid.as_points(points)
+    p = valid.as_points(points, none_allowed=True)
     d = p.shape[1]
     arm = p if about is None else p - _as_center(about, d)
     motions = np.zeros((*p.shape, d * (d + 1) // 2))
@@ -69,7 +69,7 @@ def net_force_and_moment(
     >>> net_force_and_moment([[3.0, 1.0]], [[0.0, 2.0]])  # 2 upwards, on an arm of 3
     array([0., 2., 6.])
     """
-    p = valid.as_points(points)
+    p = valid.as_points(points, none_allowed=True)
     return np.einsum("ndr,nd...->r...", rigid_motions(p, about), as_vectors(loads, p, "loads"))
 
 
@@ -90,7 +90,7 @@ def _planes(d: int) -> list[tuple[int, int]]:
 
 
 def _as_center(about: ArrayLike, d: int) -> np.ndarray:
-    a = valid.as_queries(about, d)
+    a = valid.as_queries(about, d, "about")
     if a.shape != (d,):
         raise ValueError(f"about must be one point of {d} coordinates; got the shape {a.shape}")
     return a

@@ -111,7 +111,7 @@ class Transfer(ABC):
             own = diagonal_of_areas(areas)
         else:
             own = as_mass(structure_mass, len(self.structure), "structure_mass")
-        loads = self.loads((mass @ f.reshape(len(f), -1)).reshape(f.shape))
+        loads = self.loads(applied(mass, f))
         return splu(own.tocsc()).solve(loads.reshape(len(loads), -1)).reshape(loads.shape)
 
     def defects(self, f: ArrayLike, about: ArrayLike | None = None) -> np.ndarray:
@@ -161,7 +161,7 @@ class Transfer(ABC):
         f = as_vectors(f, self.surface, "f")
         here = as_parts(surface, len(self.surface), "surface")
         there = as_parts(structure, len(self.structure), "structure")
-        alone = np.where(here[:, None] == np.arange(here.max() + 1), 1.0, 0.0)
+        alone = np.where(here[:, None] == np.arange(here.max(initial=-1) + 1), 1.0, 0.0)
         loads = self.loads(f[:, :, None] * alone[:, None, :])
         return np.stack(
             [
@@ -251,12 +251,13 @@ def row_sums(weights: Weights) -> np.ndarray:
 
 def applied(matrix: Weights, columns: np.ndarray) -> np.ndarray:
     """The product of a matrix with arrays (n, d, v)."""
-    return (matrix @ columns.reshape(len(columns), -1)).reshape(-1, *columns.shape[1:])
+    flat = columns.reshape(len(columns), math.prod(columns.shape[1:]))  # also of no rows
+    return (matrix @ flat).reshape(matrix.shape[0], *columns.shape[1:])
 
 
 def as_surface(x: ArrayLike, structure: np.ndarray) -> np.ndarray:
     """Validate the nodes of a surface in the space of the structural nodes."""
-    surface = valid.as_points(x, "x")
+    surface = valid.as_points(x, "x", none_allowed=True)
     if surface.shape[1] != structure.shape[1]:
         raise ValueError(
             f"x must have as many coordinates as the structural nodes, {structure.shape[1]}; "
@@ -268,7 +269,7 @@ def as_surface(x: ArrayLike, structure: np.ndarray) -> np.ndarray:
 def as_mass(mass: ArrayLike, n: int, name: str) -> sparse.csr_array:
     """Return a mass matrix (n, n), diagonal for lumped masses (n,)."""
     if not sparse.issparse(mass):
-        mass = np.asarray(mass, dtype=float)
+        mass = valid.as_numbers(mass, name, complex_allowed=False)
         mass = sparse.diags_array(mass) if mass.ndim == 1 else mass
     matrix = sparse.csr_array(mass)
     if matrix.shape != (n, n):
@@ -280,8 +281,8 @@ def as_mass(mass: ArrayLike, n: int, name: str) -> sparse.csr_array:
 
 def as_parts(parts: ArrayLike, n: int, name: str) -> np.ndarray:
     """Validate the part of each of n nodes."""
-    p = np.asarray(parts)
-    if p.shape != (n,) or p.dtype.kind not in "iu" or p.min() < 0:
+    p = np.asarray(valid.unmasked(parts, name))
+    if p.shape != (n,) or (n and (p.dtype.kind not in "iu" or p.min() < 0)):
         raise ValueError(f"{name} must be {n} numbers of parts, integers from 0; got {p!r:.60}")
     return p
 
@@ -291,7 +292,7 @@ def diagonal_of_areas(areas: np.ndarray) -> sparse.dia_array:
     least = int(np.argmin(areas))
     if not areas[least] > 0:
         raise np.linalg.LinAlgError(
-            f"structural node {least} gets the area {areas[least]:.2g} of the surface, for "
+            f"structural node {least} gets the area {areas[least] + 0.0:.2g} of the surface, for "
             "which no density exists: give structure_mass, or nodes that the surface covers"
         )
     return sparse.diags_array(areas)

@@ -7,9 +7,9 @@ A file is an NPZ archive of plain arrays, no pickles:
 - ``points`` (n, d) and ``values`` (n, ...): the sites and the data.
 
 ``method`` is an object of ``name`` (the class) and the other arguments of its constructor; a kernel
-is an object of ``name`` and its parameters, and the method within `OnGlobe` is an argument. A
-loaded field is fitted again. Its values are identical with the same versions of NumPy and SciPy
-on the same kind of processor, and equal up to rounding elsewhere.
+is an object of ``name`` and its parameters, an array is nested lists, and the method within
+`OnGlobe` is an argument. A loaded field is fitted again. Its values are identical with the same
+versions of NumPy and SciPy on the same kind of processor, and equal up to rounding elsewhere.
 
 In files of version 1, patches whose sites are in special position (on a line or a circle, say) were
 fitted with other polynomials, and of equally distant sites the first ones were taken. They are read
@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldrecon import kernels, methods
+from fieldrecon import barycentric, kernels, methods
 from fieldrecon._core.atomic_files import whole_file
 from fieldrecon.kernels import Radial
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
@@ -49,7 +49,9 @@ def _is_made_from_points(method: object) -> bool:
 
 
 _METHODS: Mapping[str, type[Reconstruction]] = {
-    name: method for name, method in vars(methods).items() if _is_made_from_points(method)
+    name: method
+    for name, method in (vars(methods) | vars(barycentric)).items()
+    if _is_made_from_points(method)
 }
 _KERNELS: Mapping[str, type[Radial]] = {
     name: kernel
@@ -177,7 +179,7 @@ def description(method: Reconstruction) -> dict[str, Any]:
     except TypeError as error:
         raise TypeError(f"a field of {name} cannot be saved: {error}") from None
     if _METHODS.get(name) is not type(method):
-        raise TypeError(f"a field of {name} cannot be saved: fieldrecon.methods has no {name}")
+        raise TypeError(f"a field of {name} cannot be saved: fieldrecon has no method {name}")
     return {"name": name} | {key: _argument(value) for key, value in arguments.items()}
 
 
@@ -192,9 +194,9 @@ def _argument(value: Any) -> Any:
     return {"name": name} | asdict(value)  # type: ignore[call-overload]
 
 
-def _plain(number: Any) -> Any:
-    """A number of NumPy as one of Python."""
-    return number.item()
+def _plain(numbers: Any) -> Any:
+    """A number or an array of NumPy as a number or lists of Python."""
+    return numbers.tolist()
 
 
 def _method(described: Mapping[str, Any], points: np.ndarray) -> Reconstruction:
@@ -207,7 +209,9 @@ def _method(described: Mapping[str, Any], points: np.ndarray) -> Reconstruction:
 
 
 def _restored(value: Any) -> Any:
-    """An argument from its description: a kernel, a function of points to a method, or itself."""
+    """An argument from its description: an array, a kernel, a function of points, or itself."""
+    if isinstance(value, list):
+        return np.array(value)
     if not isinstance(value, Mapping):
         return value
     return partial(_method, value) if value.get("name") in _METHODS else _kernel(value)

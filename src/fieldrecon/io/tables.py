@@ -103,6 +103,8 @@ def parse_number(cell: object) -> float:
 def read_table(path: Path, spec: ColumnSpec, progress: Progress | None = None) -> Table:
     """Read columns from ``.npz`` (arrays by name), ``.parquet``, or from text of any other suffix.
 
+    Rows of missing data are skipped: null in Parquet, and where the array ``mask`` of a ``.npz``
+    file is true.
     The cells of a text are separated by commas, semicolons, tabs or white space, whichever occurs
     most often in the first line. Blank lines and lines that begin with ``#`` are ignored. A text
     without a header (its first line is all numbers) has the columns x, y, z, column 4 and so on.
@@ -138,15 +140,24 @@ def _read_npz(path: Path, spec: ColumnSpec, progress: Progress | None) -> Iterat
     if len(lengths) > 1:
         sizes = ", ".join(f"{name} {len(columns[name])}" for name in names)
         raise ValueError(f"{path}: the columns must be equally long; got {sizes}")
-    yield _validated(spec, names, np.column_stack([columns[name] for name in names]), 1)
+    numbers = np.column_stack([columns[name] for name in names])
+    yield _validated(spec, names, numbers, 1, _masked_rows(path, arrays, len(numbers)))
     if progress:
         progress(1, 1)
+
+
+def _masked_rows(path: Path, arrays: dict[str, np.ndarray], n: int) -> np.ndarray | None:
+    """Which of n rows the array `mask` hides; NumPy saves a masked array without its mask."""
+    mask = arrays.get("mask")
+    if mask is not None and (mask.dtype.kind != "b" or mask.shape != (n,)):
+        raise ValueError(f"{path}: mask must have one truth value for each of {n} rows")
+    return mask
 
 
 def _npz_columns(path: Path, arrays: dict[str, np.ndarray]) -> Iterator[tuple[str, np.ndarray]]:
     """Yield the numeric arrays as columns: `points` as x, y and z, `values` as value."""
     for name, array in arrays.items():
-        if array.dtype.kind not in "biuf" or array.ndim not in (1, 2):
+        if array.dtype.kind not in "biuf" or array.ndim not in (1, 2) or name == "mask":
             continue
         if array.ndim == 1:
             yield ("value" if name == "values" else name), array
@@ -177,11 +188,21 @@ def _read_parquet(path: Path, spec: ColumnSpec, progress: Progress | None) -> It
                 progress(done, file.metadata.num_rows)
 
 
-def _validated(spec: ColumnSpec, names: list[str], numbers: np.ndarray, first: int) -> Block:
+def _validated(
+    spec: ColumnSpec,
+    names: list[str],
+    numbers: np.ndarray,
+    first: int,
+    masked: np.ndarray | None = None,
+) -> Block:
     """Return the valid rows and the errors of the others, which are numbered from `first`."""
-    good = spec.valid_rows(numbers)
+    hidden = np.zeros(len(numbers), dtype=bool) if masked is None else masked
+    good = spec.valid_rows(numbers) & ~hidden
     bad = [
-        BadRow(first + int(i), spec.error(names, numbers[i].tolist()))
+        BadRow(
+            first + int(i),
+            "the row is masked" if hidden[i] else spec.error(names, numbers[i].tolist()),
+        )
         for i in np.flatnonzero(~good)
     ]
     return names, numbers[good].astype(float, copy=False), bad

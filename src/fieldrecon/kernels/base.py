@@ -14,7 +14,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fieldrecon._core.validation import as_length
+from fieldrecon._core.validation import as_length, unmasked
 
 
 class Radial(ABC):
@@ -56,28 +56,38 @@ class Radial(ABC):
 
     def __call__(self, r: ArrayLike) -> np.ndarray:
         """Values phi(r), elementwise."""
-        r = np.asarray(r, dtype=np.float64)
-        return self.of_squared(r * r)
+        return self.of_distance(_as_distances(r))
 
     @abstractmethod
     def of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values phi(r) for s = r^2; evaluation calls it, since r^2 needs no square root."""
+
+    def of_distance(self, r: np.ndarray) -> np.ndarray:
+        """Values phi(r) for r >= 0, overridden where r^2 has no place in the range of numbers."""
+        return self.of_squared(r * r)
 
     def slope(self, r: ArrayLike) -> np.ndarray:
         """Values phi'(r)/r, so that the gradient of phi(|x|) is slope(|x|) x.
 
         At r = 0, where the gradient is zero but phi'(r)/r may have no limit, the value is finite.
         """
-        r = np.asarray(r, dtype=np.float64)
-        return self.slope_of_squared(r * r)
+        return self.slope_of_distance(_as_distances(r))
 
     @abstractmethod
     def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values phi'(r)/r for s = r^2."""
 
+    def slope_of_distance(self, r: np.ndarray) -> np.ndarray:
+        """Values phi'(r)/r for r >= 0."""
+        return self.slope_of_squared(r * r)
+
     @abstractmethod
     def in_units(self, h: float) -> Radial:
         """The same function of r/h, lengths divided by h, up to the factor of `homogeneity`."""
+
+
+def _as_distances(r: ArrayLike) -> np.ndarray:
+    return np.abs(np.asarray(unmasked(r, "r"), dtype=np.float64))
 
 
 def length_in_units(length: float, h: float) -> float:
@@ -85,7 +95,27 @@ def length_in_units(length: float, h: float) -> float:
     return min(max(length / h, 1e-300), 1e300)
 
 
-class Scaled(Radial):
+class OfDistance(Radial):
+    """A radial function with a formula in r, not in r^2, whose square could overflow."""
+
+    @abstractmethod
+    def of_distance(self, r: np.ndarray) -> np.ndarray:
+        """Values phi(r) for r >= 0."""
+
+    @abstractmethod
+    def slope_of_distance(self, r: np.ndarray) -> np.ndarray:
+        """Values phi'(r)/r for r >= 0."""
+
+    def of_squared(self, s: np.ndarray) -> np.ndarray:
+        """Values phi(r) for s = r^2."""
+        return self.of_distance(np.sqrt(s))
+
+    def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
+        """Values phi'(r)/r for s = r^2."""
+        return self.slope_of_distance(np.sqrt(s))
+
+
+class Scaled(OfDistance):
     """A radial function of z = r / scale."""
 
     scale: float

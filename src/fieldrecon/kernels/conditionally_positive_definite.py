@@ -44,6 +44,10 @@ class thin_plate_spline(Radial):
         """Values 2 (1 + log s)."""
         return np.where(s > 0, 2.0 + 2.0 * np.log(np.where(s > 0, s, 1.0)), 0.0)
 
+    def slope_of_distance(self, r: np.ndarray) -> np.ndarray:
+        """Values 2 (1 + 2 log r)."""
+        return np.where(r > 0, 2.0 + 4.0 * np.log(np.where(r > 0, r, 1.0)), 0.0)
+
     def in_units(self, h: float) -> Radial:  # noqa: ARG002 - it has no length
         """The same function: it has no length parameter."""
         return self
@@ -103,6 +107,10 @@ class polyharmonic(Radial):
             return value if self._sign > 0 else -value
         return self._sign * s ** (self.k // 2 - 1) * xlogy(s, s) / 2
 
+    def of_distance(self, r: np.ndarray) -> np.ndarray:
+        """Values r^k or r^k log r."""
+        return self._sign * (r**self.k if self.k % 2 else r ** (self.k - 1) * xlogy(r, r))
+
     def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values k r^(k-2), with log r + 1/k for even k."""
         if self.k % 2:
@@ -110,6 +118,12 @@ class polyharmonic(Radial):
             return np.where(s > 0, self._sign * self.k * s ** (self.k // 2) / root, 0.0)
         log = np.log(np.where(s > 0, s, 1.0)) / 2
         return np.where(s > 0, self._sign * s ** (self.k // 2 - 1) * (self.k * log + 1), 0.0)
+
+    def slope_of_distance(self, r: np.ndarray) -> np.ndarray:
+        """Values k r^(k-2), with log r + 1/k for even k."""
+        r, there = np.where(r > 0, r, 1.0), r > 0
+        factor = self.k if self.k % 2 else self.k * np.log(r) + 1
+        return np.where(there, self._sign * r ** (self.k - 2.0) * factor, 0.0)
 
     def in_units(self, h: float) -> Radial:  # noqa: ARG002 - it has no length
         """The same function: it has no length parameter."""
@@ -133,10 +147,10 @@ class multiquadric(Scaled):
     scale: float
     order = 1
 
-    def of_squared(self, s: np.ndarray) -> np.ndarray:
-        """Values -sqrt(1 + s/scale^2)."""
-        return -np.hypot(1.0, np.sqrt(s) / self.scale)
+    def of_distance(self, r: np.ndarray) -> np.ndarray:
+        """Values -sqrt(1 + (r/scale)^2)."""
+        return -np.hypot(1.0, r / self.scale)
 
-    def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
-        """Values -1 / (scale^2 sqrt(1 + s/scale^2))."""
-        return 1.0 / self.of_squared(s) / self.scale / self.scale
+    def slope_of_distance(self, r: np.ndarray) -> np.ndarray:
+        """Values -1 / (scale^2 sqrt(1 + (r/scale)^2))."""
+        return 1.0 / self.of_distance(r) / self.scale / self.scale

@@ -9,7 +9,7 @@ from numpy.polynomial import Polynomial
 from scipy.special import gamma, kv
 
 from fieldrecon._core.validation import as_count, as_length
-from fieldrecon.kernels.base import Radial, Scaled, length_in_units
+from fieldrecon.kernels.base import OfDistance, Radial, Scaled, length_in_units
 
 
 @dataclass(frozen=True)
@@ -29,13 +29,14 @@ class gaussian(Scaled):
 
     scale: float
 
-    def of_squared(self, s: np.ndarray) -> np.ndarray:
-        """Values exp(-s / scale^2)."""
-        return np.exp(-((np.sqrt(s) / self.scale) ** 2))
+    def of_distance(self, r: np.ndarray) -> np.ndarray:
+        """Values exp(-(r / scale)^2)."""
+        with np.errstate(over="ignore"):  # exp(-inf) is the limit
+            return np.exp(-((r / self.scale) ** 2))
 
-    def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
+    def slope_of_distance(self, r: np.ndarray) -> np.ndarray:
         """Values -2 phi / scale^2."""
-        return -2.0 * self.of_squared(s) / self.scale / self.scale
+        return -2.0 * self.of_distance(r) / self.scale / self.scale
 
 
 @dataclass(frozen=True)
@@ -50,17 +51,17 @@ class inverse_multiquadric(Scaled):
 
     scale: float
 
-    def of_squared(self, s: np.ndarray) -> np.ndarray:
-        """Values 1 / sqrt(1 + s/scale^2)."""
-        return 1.0 / np.hypot(1.0, np.sqrt(s) / self.scale)
+    def of_distance(self, r: np.ndarray) -> np.ndarray:
+        """Values 1 / sqrt(1 + (r/scale)^2)."""
+        return 1.0 / np.hypot(1.0, r / self.scale)
 
-    def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
+    def slope_of_distance(self, r: np.ndarray) -> np.ndarray:
         """Values -phi^3 / scale^2."""
-        return -(self.of_squared(s) ** 3) / self.scale / self.scale
+        return -(self.of_distance(r) ** 3) / self.scale / self.scale
 
 
 @dataclass(frozen=True)
-class matern(Radial):
+class matern(OfDistance):
     """Matern kernel 2^(1-nu)/Gamma(nu) z^nu K_nu(z), z = r/scale, positive definite.
 
     nu = 1/2: exp(-z); 3/2: (1 + z) exp(-z); 5/2: (1 + z + z^2/3) exp(-z).
@@ -97,14 +98,14 @@ class matern(Radial):
         """Smoother than exp(-r)."""
         return self.nu > 0.5
 
-    def of_squared(self, s: np.ndarray) -> np.ndarray:
+    def of_distance(self, r: np.ndarray) -> np.ndarray:
         """Values by the modified Bessel function K_nu."""
-        return self._bessel(self.nu, np.sqrt(s) / self.scale, at_zero=1.0)
+        return self._bessel(self.nu, r / self.scale, at_zero=1.0)
 
-    def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
+    def slope_of_distance(self, r: np.ndarray) -> np.ndarray:
         """Values from (z^nu K_nu)' = -z^nu K_(nu-1)."""
         limit = 1.0 / (2.0 * (self.nu - 1.0)) if self.nu > 1 else 0.0
-        z = np.sqrt(s) / self.scale
+        z = r / self.scale
         return -self._bessel(self.nu - 1.0, z, at_zero=limit) / self.scale / self.scale
 
     def _bessel(self, power: float, z: np.ndarray, at_zero: float) -> np.ndarray:
@@ -113,7 +114,7 @@ class matern(Radial):
         with np.errstate(over="ignore", invalid="ignore"):
             value = 2.0 ** (1.0 - self.nu) / gamma(self.nu) * inside**power * kv(power, inside)
         # where K_nu overflows, so near to zero, the limit is exact
-        return np.where((z > 1e-150) & np.isfinite(value), value, at_zero)
+        return np.where((z > 0) & np.isfinite(value), value, at_zero)
 
     def in_units(self, h: float) -> Radial:
         """The same kernel with scale / h."""
@@ -121,7 +122,7 @@ class matern(Radial):
 
 
 @dataclass(frozen=True)
-class wendland(Radial):
+class wendland(OfDistance):
     """Wendland's function phi_(d,k)(r/radius): compact support, C^(2k), order 0 up to R^d.
 
     (1 - z)^(l+k) p_k(z) for z = r/radius < 1, with l = floor(d/2) + k + 1 and phi(0) = 1. Positive
@@ -171,16 +172,16 @@ class wendland(Radial):
         """The odd number not below d: phi_(2,k) is phi_(3,k)."""
         return self.d // 2 * 2 + 1
 
-    def of_squared(self, s: np.ndarray) -> np.ndarray:
+    def of_distance(self, r: np.ndarray) -> np.ndarray:
         """Values (1 - z)^(l+k) p(z)."""
         power, p = self._parts()
-        z = np.minimum(np.sqrt(s) / self.radius, 1.0)
+        z = np.minimum(r / self.radius, 1.0)
         return (1.0 - z) ** power * p(z)
 
-    def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
+    def slope_of_distance(self, r: np.ndarray) -> np.ndarray:
         """Values of phi'(r)/r, in which the factor z has been divided out."""
         power, p = self._parts()
-        z = np.minimum(np.sqrt(s) / self.radius, 1.0)
+        z = np.minimum(r / self.radius, 1.0)
         inside = np.where(z < 1.0, (1.0 - z) ** (power - 1), 0.0)
         derivative = Polynomial([1, -1]) * p.deriv() - power * p
         if self.k > 0:

@@ -297,7 +297,7 @@ def as_plane_or_space(points: ArrayLike) -> np.ndarray:
 
 def as_indices_of_points(vertices: ArrayLike, n: int) -> np.ndarray:
     """Require indices (v,) of n points."""
-    indices = np.asarray(vertices)
+    indices = np.asarray(valid.unmasked(vertices, "vertices"))
     if indices.ndim != 1 or (indices.size and indices.dtype.kind not in "iu"):
         raise ValueError(
             f"vertices must be indices of points, shape (v,); got the type {indices.dtype} "
@@ -313,6 +313,7 @@ def as_indices_of_points(vertices: ArrayLike, n: int) -> np.ndarray:
 def as_cells(cells: ArrayLike, n: int, d: int) -> np.ndarray:
     """Require cells of d + 1 distinct indices below n each; a new array."""
     kind = "triangles" if d == 2 else "tetrahedra"
+    cells = valid.unmasked(cells, "cells")
     try:
         given = np.asarray(cells)
     except ValueError:

@@ -30,12 +30,12 @@ class NearPairs:
         self._tree = cKDTree(sites)
         self.pairs = int(self._tree.count_neighbors(self._tree, kernel.support))
 
-    def system(self, p: np.ndarray, smoothing: float) -> SparseSaddlePoint:
-        """Factored sparse system of the kernel between all sites, bordered by P."""
+    def system(self, p: np.ndarray, smoothing: np.ndarray) -> SparseSaddlePoint:
+        """Factored sparse system of the kernel between all sites, smoothed and bordered by P."""
         n, d = self.sites.shape
         refuse_beyond_memory(n, entries_of_factor(self.pairs, n, d))
         ((_, a),) = self.values(self.sites)
-        return SparseSaddlePoint((a + smoothing * sparse.eye_array(n)).tocsc(), p)
+        return SparseSaddlePoint((a + sparse.diags_array(smoothing)).tocsc(), p)
 
     def values(self, x: np.ndarray) -> Iterator[tuple[slice, sparse.csr_array]]:
         """All sites, and the kernel at the queries (m, d) from them."""

@@ -47,7 +47,7 @@ class Functionals:
     def __len__(self) -> int:
         return len(self.points)
 
-    def __getitem__(self, part: slice) -> Functionals:
+    def __getitem__(self, part: slice | np.ndarray) -> Functionals:
         """A part of the functionals."""
         return Functionals(
             self.points[part], self.value[part], self.gradient[part], self.laplacian[part]
@@ -184,7 +184,7 @@ def derivatives_at(points: ArrayLike, directions: ArrayLike) -> Functionals:
         If a direction is zero, or there is not one for each point.
     """
     p = valid.as_points(points)
-    b = valid.as_queries(directions, p.shape[1])
+    b = valid.as_queries(directions, p.shape[1], "directions")
     if b.shape not in (p.shape, p.shape[1:]):
         wanted = f"{p.shape} or {p.shape[1:]}"
         raise ValueError(f"directions must have the shape {wanted}; got {b.shape}")

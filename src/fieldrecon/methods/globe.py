@@ -210,7 +210,7 @@ def _cos_sin(degrees: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _as_lonlat(lonlat: ArrayLike) -> np.ndarray:
-    lonlat = valid.as_queries(lonlat, 2)
+    lonlat = valid.as_queries(lonlat, 2, "lonlat")
     beyond = np.argwhere(abs(lonlat[..., 1]) > 90)
     if len(beyond):
         lon, lat = lonlat[tuple(beyond[0])]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.chunks import rows_of
+from fieldrecon._core.chunks import Progress, rows_of
 from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._numerics.jets import symmetric
 from fieldrecon._numerics.saddle_point import SaddlePoint
@@ -21,10 +22,12 @@ from fieldrecon.methods.functionals import (
     together,
     values_at,
 )
+from fieldrecon.methods.least_squares import ACCURATE
 from fieldrecon.methods.solvability import (
     as_augmentation,
     as_finite,
     as_kernel,
+    meets_rough_data,
     refuse_a_miss,
     refuse_beyond_memory,
     within_range,
@@ -55,6 +58,9 @@ class HermiteRBF(Reconstruction):
     ----------
     functionals : Functionals
         All functionals; `points` are their points.
+    interpolates : bool
+        False where the kernel is so flat that rounding makes the fields of some data miss them by
+        more than 1e-6 of their size.
 
     Raises
     ------
@@ -79,8 +85,6 @@ class HermiteRBF(Reconstruction):
     (np.float64(6.0), array([2., 3.]))
     """
 
-    interpolates = True
-
     def __init__(
         self,
         functionals: Functionals | Sequence[Functionals],
@@ -102,6 +106,7 @@ class HermiteRBF(Reconstruction):
         a = self._of_kernel(self._local)
         self._largest = abs(within_range(a, f"derivatives of {kernel!r}")).max()
         self._system = valid.quiet_evaluate(SaddlePoint, np.asfortranarray(a), p)
+        self.interpolates = meets_rough_data(self._system, np.array(self._largest))
 
     def field(self, values: ArrayLike) -> HermiteField:
         """Field of these data.
@@ -156,6 +161,46 @@ class HermiteRBF(Reconstruction):
                 f"a field of {self.kernel!r} and these data has {reach} continuous derivatives; "
                 f"asked for order {order}"
             )
+
+    def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:  # noqa: ARG002
+        """Residuals lambda_i / (H^-1)_ii, each in the unit of its datum."""
+        self._refuse_indispensable()
+        residuals = self._prepare(values)[0] / self._system.inverse_diagonal()[:, None]
+        return residuals * self._size[:, None]
+
+    def _refuse_indispensable(self) -> None:
+        p = self._local.of_monomials(self.degree)
+        leverages = (np.linalg.qr(p)[0] ** 2).sum(axis=1)
+        for i in np.flatnonzero(1.0 - leverages <= ACCURATE).tolist():
+            others = np.delete(np.arange(len(p)), i)
+            try:
+                require_unisolvent(self.points[others], p[others], self.degree, "the data do")
+            except (np.linalg.LinAlgError, ValueError) as error:
+                raise np.linalg.LinAlgError(
+                    f"without point {i}, ({valid.format_point(self.points[i])}), the others do not "
+                    f"determine the field: {error}"
+                ) from None
+
+    @classmethod
+    def _argument_names(cls) -> list[str]:
+        return ["kernel", "degree", "value", "gradient", "laplacian"]
+
+    def _arguments(self) -> dict[str, Any]:
+        parts = {
+            name: getattr(self.functionals, name) for name in ("value", "gradient", "laplacian")
+        }
+        return {"kernel": self.kernel, "degree": self.degree} | parts
+
+    @classmethod
+    def _made(cls, points: np.ndarray, **arguments: Any) -> Reconstruction:
+        p = valid.as_points(points)
+        parts = {"value": p.shape[:1], "gradient": p.shape, "laplacian": p.shape[:1]}
+        for name, shape in parts.items():
+            part = valid.as_values(arguments[name], len(p), name)
+            if part.shape != shape:
+                raise ValueError(f"{name} must have the shape {shape}; got {part.shape}")
+        functionals = Functionals(p, *(np.asarray(arguments[name]) for name in parts))
+        return cls(functionals, arguments["kernel"], arguments["degree"])
 
     def _of_kernel(self, local: Functionals) -> np.ndarray:
         return valid.quiet_evaluate(local.of_kernel, self._local, self._unit_kernel)

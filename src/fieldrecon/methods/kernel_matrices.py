@@ -17,7 +17,7 @@ from scipy.spatial.distance import cdist
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import chunked, rows_of
-from fieldrecon._numerics.saddle_point import SaddlePoint, entries_of_factor
+from fieldrecon._numerics.saddle_point import SaddlePoint, balancing, entries_of_factor
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.derivatives import laplacian, second_derivatives
 from fieldrecon.methods.compact_support import NearPairs
@@ -49,15 +49,16 @@ class AllPairs:
     def __init__(self, sites: np.ndarray, kernel: Radial) -> None:
         self.sites, self.kernel = sites, kernel
 
-    def system(self, p: np.ndarray, smoothing: float) -> SaddlePoint:
-        """Factored system of the kernel between all sites, bordered by P."""
+    def system(self, p: np.ndarray, smoothing: np.ndarray) -> SaddlePoint:
+        """Factored system of the kernel between all sites, smoothed and bordered by P."""
         refuse_beyond_memory(len(self.sites))
         n = len(self.sites)
         a = np.zeros((n, n), order="F")
         for part, block in chunked(self._rows, np.arange(n), rows_of(64 * n)):
             a[part.start :, part] = block.T
         a[np.diag_indices_from(a)] += smoothing
-        return valid.quiet_evaluate(SaddlePoint, a, p)
+        factors = balancing(np.diagonal(a), a[1:, 0]) if np.ptp(smoothing) else None
+        return valid.quiet_evaluate(SaddlePoint, a, p, factors)
 
     def _rows(self, rows: np.ndarray) -> np.ndarray:
         squared = cdist(self.sites[rows], self.sites[rows[0] :], "sqeuclidean")

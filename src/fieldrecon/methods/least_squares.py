@@ -4,33 +4,36 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import qr, solve_triangular
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.blas_threads import blas_threads_for
 from fieldrecon._core.chunks import Progress, rows_of
+from fieldrecon._numerics.orthonormal_polynomials import OrthonormalPolynomials
 from fieldrecon.polynomials import (
+    EPS,
     Frame,
     dimension,
     exponents,
-    monomial_gradients,
-    monomial_hessians,
     monomials,
     powers_of_scale,
     refuse_too_few,
-    require_unisolvent,
+    undetermined,
 )
 from fieldrecon.reconstruction import Reconstruction
 
 # Below this 1 - h_ii the closed form of leave-one-out residuals has lost four digits and more.
 ACCURATE = 1e-4
+# Error of a field by its coefficients in monomials, as a part of the data, that is tolerated.
+DIGITS_LOST = 1e-6
 
 
 class LeastSquares(Reconstruction):
     """Polynomial of least squares, c = argmin 1/2 |B c - V|^2 and f(x) = b(x)^T c.
 
-    Solved by QR with column pivoting in a local frame of the sites, so that neither the origin nor
-    the unit of length matters. Interpolates only if there are as many sites as coefficients.
+    Computed with polynomials that are orthonormal on the sites, in a local frame, so that neither
+    the origin, nor the unit of length, nor a high degree costs digits. The degree itself may: on n
+    equidistant sites, degrees far beyond 2 sqrt(n) amplify the errors of the data. Interpolates
+    only if there are as many sites as coefficients.
 
     Parameters
     ----------
@@ -48,7 +51,8 @@ class LeastSquares(Reconstruction):
 
     References
     ----------
-    Erleben, Field Reconstruction, p. 3-7.
+    Erleben, Field Reconstruction, p. 3-7; Brubeck, Nakatsukasa and Trefethen, Vandermonde with
+    Arnoldi (2021).
 
     Examples
     --------
@@ -66,14 +70,15 @@ class LeastSquares(Reconstruction):
         self.degree = valid.as_degree(degree)
         self._frame = Frame.around(self.points)
         refuse_too_few(self.points, self.degree)
-        b = self._basis(self.points)
-        require_unisolvent(self.points, b, self.degree)
-        self._column_size = np.linalg.norm(b, axis=0)
-        with blas_threads_for(2 * b.size * b.shape[1]):
-            self._q, self._r, self._pivots = qr(
-                b / self._column_size, mode="economic", pivoting=True
-            )
-        self.interpolates = b.shape[0] == b.shape[1]
+        y = self._frame.local(self.points)
+        rounding = EPS * np.abs(self.points).max(axis=0) / self._frame.scale
+        q = dimension(y.shape[1], self.degree)
+        with blas_threads_for(2 * len(y) * q * q):
+            self._basis = OrthonormalPolynomials(y, self.degree, rounding)
+        self._q = self._basis.at_sites
+        if self._q.shape[1] < q:
+            raise undetermined(y.shape[1], self.degree, self._q.shape[1])
+        self.interpolates = len(y) == q
 
     @valid.finite("the coefficients")
     def coefficients(self, values: ArrayLike) -> np.ndarray:
@@ -93,11 +98,23 @@ class LeastSquares(Reconstruction):
         ------
         OverflowError
             If they do not fit into floating-point numbers in this unit of length.
+        numpy.linalg.LinAlgError
+            If they cancel so much, at high degrees, that they would miss the field at the points by
+            more than 1e-6 of the data's size.
         """
         values = valid.as_values(values, len(self.points))
-        c = self._frame.global_coefficients(
-            self._solve(values.reshape(len(values), -1)), self.degree
-        )
+        fitted = self._q.T @ values.reshape(len(values), -1)
+        d = self.points.shape[1]
+        local = self._basis.in_monomials(d) @ fitted
+        back = monomials(self._frame.local(self.points), self.degree) @ local
+        lost = np.abs(back - self._q @ fitted).max(axis=0)
+        if (lost > DIGITS_LOST * np.abs(values).max(initial=0.0)).any():
+            raise np.linalg.LinAlgError(
+                f"the coefficients of the monomials of degree {self.degree} are so large that they "
+                f"cancel: by them the field would have errors of {lost.max():.0e} at the points; "
+                "field(values) uses polynomials that are orthonormal on the points"
+            )
+        c = self._frame.global_coefficients(local, self.degree)
         return c.reshape((len(c), *values.shape[1:]))
 
     @valid.finite("the objective's squares")
@@ -164,50 +181,31 @@ class LeastSquares(Reconstruction):
         for i in np.flatnonzero(1.0 - self.leverages() <= ACCURATE).tolist():
             self._without(i)
 
-    def _basis(self, x: np.ndarray) -> np.ndarray:
-        return monomials(self._frame.local(x), self.degree)
-
-    def _solve(self, values: np.ndarray) -> np.ndarray:
-        return self._back_substituted(self._q.T @ values)
-
-    def _pseudo_inverse(self) -> np.ndarray:
-        return self._back_substituted(self._q.T)
-
-    def _back_substituted(self, y: np.ndarray) -> np.ndarray:
-        c = np.empty_like(y)
-        c[self._pivots] = solve_triangular(self._r, y, check_finite=False)
-        return c / self._column_size[:, None]
-
     def _prepare(self, values: np.ndarray) -> np.ndarray:
-        return self._solve(values)
+        return self._q.T @ values
 
     def _value_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
-        return self._basis(x) @ prepared
+        return self._basis.values(self._frame.local(x)) @ prepared
 
     def _gradient_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
-        slopes = monomial_gradients(self._frame.local(x), self.degree)
-        return np.einsum("mqd,qv->mvd", slopes, prepared) / self._frame.scale
+        slopes = self._basis.gradients(self._frame.local(x)) @ prepared
+        return np.moveaxis(slopes, 0, -1) / self._frame.scale
 
     def _hessian_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
-        bends = monomial_hessians(self._frame.local(x), self.degree)
-        total = np.einsum("mqkl,qv->mvkl", bends, prepared)
-        return total / self._frame.scale / self._frame.scale
+        bends = self._basis.hessians(self._frame.local(x)) @ prepared
+        return np.moveaxis(bends, (0, 1), (-2, -1)) / self._frame.scale / self._frame.scale
 
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
         self._refuse_if_too_large(len(x))
-        return self._basis(x) @ self._pseudo_inverse()
+        return self._basis.values(self._frame.local(x)) @ self._q.T
 
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
-        d = x.shape[1]
-        self._refuse_if_too_large(len(x), d)
-        slopes = monomial_gradients(self._frame.local(x), self.degree) / self._frame.scale
-        pinv = self._pseudo_inverse()
-        return tuple(slopes[..., k] @ pinv for k in range(d))
+        self._refuse_if_too_large(len(x), x.shape[1])
+        slopes = self._basis.gradients(self._frame.local(x)) / self._frame.scale
+        return tuple(slopes @ self._q.T)
 
     def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
-        moments = (self._basis(x).T @ f) / self._column_size[:, None]
-        y = solve_triangular(self._r, moments[self._pivots], trans="T", check_finite=False)
-        return self._q @ y
+        return self._q @ (self._basis.values(self._frame.local(x)).T @ f)
 
     def _chunk_rows(self, columns: int) -> int:
         q, d = dimension(self.points.shape[1], self.degree), self.points.shape[1]

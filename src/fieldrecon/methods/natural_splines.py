@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 from scipy.linalg import cho_solve_banded, cholesky_banded
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.chunks import rows_of
+from fieldrecon._core.chunks import Progress, rows_of
 from fieldrecon.methods.solvability import refuse_duplicates
 from fieldrecon.methods.spline_bases import radial_form
 from fieldrecon.polynomials import Frame, powers_of_scale, undetermined
@@ -179,12 +181,47 @@ class NaturalCubicSpline(Reconstruction):
         beta = self._frame.global_coefficients(beta, 1)
         return (unit * alpha).reshape((-1, *shape)), beta.reshape((2, *shape))
 
+    def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:  # noqa: ARG002
+        """Residuals (K f)_i / K_ii, with the energy f^T K f of the data."""
+        if len(self.points) == 2:
+            self._without(0)  # which is refused
+        alpha, _ = self._local_form(values)
+        diagonal = np.empty(len(values))
+        diagonal[self._sorting] = self._energy_diagonal()
+        return 6 * alpha / diagonal[:, None]
+
+    def _energy_diagonal(self) -> np.ndarray:
+        """Diagonal (n,) of K = B^T R^-1 B in the frame, with the second divided differences B.
+
+        R is the tridiagonal matrix of the moments. The diagonal of its inverse follows from the
+        pivots of both eliminations, downwards and upwards; its neighbours from the diagonal.
+        """
+        diagonal, below = _moment_matrix(self._h)
+        upside = np.stack([diagonal[::-1], np.append(below[-2::-1], 0.0)])
+        down, up = self._factor[0] ** 2, cholesky_banded(upside, lower=True)[0, ::-1] ** 2
+        inverse = 1 / (down + up - diagonal)
+        inverse[[0, -1]] = 0.0  # the outer moments are zero
+        ratio = -below / down
+        first = ratio[:-1] * inverse[1:]
+        second = ratio[:-2] * ratio[1:-1] * inverse[2:]
+        left, right = np.append(0.0, 1 / self._h), np.append(1 / self._h, 0.0)
+        middle = left + right
+        own = middle**2 * inverse
+        own[1:] += left[1:] ** 2 * inverse[:-1] - 2 * left[1:] * middle[1:] * first
+        own[:-1] += right[:-1] ** 2 * inverse[1:] - 2 * right[:-1] * middle[:-1] * first
+        own[1:-1] += 2 * left[1:-1] * right[1:-1] * second
+        return own
+
     @classmethod
     def _argument_names(cls) -> list[str]:
-        raise TypeError("NaturalCubicSpline is not made from points (n, d): they have no axis")
+        return []
+
+    @classmethod
+    def _made(cls, points: np.ndarray, **arguments: Any) -> Reconstruction:  # noqa: ARG003
+        return cls(points[:, 0])
 
     def _queries(self, x: ArrayLike) -> np.ndarray:
-        return super()._queries(np.asarray(x)[..., None])
+        return super()._queries(np.asarray(valid.unmasked(x, "x"))[..., None])
 
     def _prepare(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Data and moments (n, v) in the order of the knots."""

@@ -21,6 +21,8 @@ from fieldrecon.methods.solvability import (
     as_augmentation,
     as_finite,
     as_kernel,
+    as_smoothing,
+    meets_rough_data,
     refuse_a_miss,
     refuse_duplicates,
     refuse_no_hessian,
@@ -56,8 +58,16 @@ class RBF(Reconstruction):
         Kernel phi, for instance `thin_plate_spline()`.
     degree : int, optional
         Degree of the polynomial; `kernel.order - 1` by default, and no less. -1 for none.
-    smoothing : float
-        Added to the diagonal: minimises |f(p) - f|^2 + smoothing * energy. In units of the kernel.
+    smoothing : float or (n,) array_like
+        Added to the diagonal, all of it or datum by datum: the field minimises
+        sum_i (f(p_i) - f_i)^2 / smoothing_i + energy. See the notes for the unit.
+
+    Attributes
+    ----------
+    interpolates : bool
+        False with smoothing, and where the kernel is so flat for sites this close that rounding
+        makes the fields of some data miss them by more than 1e-6 of their size. Smooth data are
+        met more closely than rough ones.
 
     Raises
     ------
@@ -69,10 +79,21 @@ class RBF(Reconstruction):
     MemoryError
         If the system would not fit into this machine's memory.
 
+    Notes
+    -----
+    The smoothing of a datum is its variance, in units of the kernel: for data with independent
+    errors of variance tau_i^2 and a random field with the covariance sigma^2 phi, the field with
+    smoothing_i = tau_i^2 / sigma^2 is the mean of the Gaussian process given the data, or universal
+    kriging if there is a polynomial. Like phi it has the dimension of a length to the power of
+    `kernel.homogeneity`: length^3 for r^3, none for a kernel with a scale. A datum with zero is
+    interpolated, one with a large number has no influence. Of sites that coincide, at most one may
+    have zero.
+
     References
     ----------
     Erleben, Field Reconstruction, p. 11-13 (whose matrix is indefinite, not positive definite);
-    Wendland (2005), theorem 8.21.
+    Wendland (2005), theorem 8.21; Rasmussen and Williams, Gaussian Processes for Machine Learning
+    (2006), sections 2.2 and 2.7.
 
     Examples
     --------
@@ -83,28 +104,30 @@ class RBF(Reconstruction):
     True
     """
 
+    _each_site = ("smoothing",)
+
     def __init__(
         self,
         points: ArrayLike,
         kernel: Radial,
         degree: int | None = None,
-        smoothing: float = 0.0,
+        smoothing: ArrayLike = 0.0,
     ) -> None:
         self.points = valid.as_points(points)
         self.kernel = as_kernel(kernel, self.points.shape[1])
         self.degree = as_augmentation(degree, kernel)
-        self.smoothing = valid.as_length(smoothing, "smoothing", zero_allowed=True)
-        self.interpolates = self.smoothing == 0
+        self.smoothing = as_smoothing(smoothing, len(self.points))
         self._frame = Frame.around(self.points)
         refuse_too_few(self.points, self.degree)
         p = self._basis(self.points)
         require_unisolvent(self.points, p, self.degree)
-        if self.interpolates:
-            refuse_duplicates(self.points)
+        refuse_duplicates(self.points, smoothing=self.smoothing)
         sites = self.points / self._frame.scale
         self._pairs = pairs_of(sites, as_finite(kernel.in_units(self._frame.scale)))
-        smoothing = unit_smoothing(self.smoothing, kernel, self._frame.scale)
-        self._system = self._pairs.system(p, smoothing)
+        each = unit_smoothing(self.smoothing, len(sites), kernel, self._frame.scale)
+        self._system = self._pairs.system(p, each)
+        exact = not np.any(self.smoothing)
+        self.interpolates = exact and meets_rough_data(self._system, self._phi())
 
     @valid.finite("the entries of H_RBF")
     def matrix(self) -> np.ndarray:
@@ -162,7 +185,7 @@ class RBF(Reconstruction):
             return lam.reshape((len(lam), *shape)), np.zeros((0, *shape))
         # The data minus the kernels is the polynomial; a change of unit of r^2 log r adds
         # to it, so it is computed here again.
-        rest = columns - self._kernel_sum(lam) - self.smoothing * lam
+        rest = columns - self._kernel_sum(lam) - (self.smoothing * lam.T).T
         c = LeastSquares(self.points, self.degree).coefficients(rest)
         return lam.reshape((len(lam), *shape)), c.reshape((len(c), *shape))
 
@@ -194,10 +217,13 @@ class RBF(Reconstruction):
 
     def _prepare(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         lam, c = self._system.solve(values)
-        # in the unit frame no two points are farther apart than this
-        farthest = 2.0 * math.sqrt(self.points.shape[1])
-        refuse_a_miss(lam, self._pairs.kernel(np.array([0.0, farthest])), values)
+        refuse_a_miss(lam, self._phi(), values)
         return lam, c
+
+    def _phi(self) -> np.ndarray:
+        """Values of the kernel in the unit frame at the smallest and the largest distance."""
+        farthest = 2.0 * math.sqrt(self.points.shape[1])
+        return self._pairs.kernel(np.array([0.0, farthest]))
 
     def _value_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
         lam, c = prepared

@@ -9,13 +9,14 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike
 
-from fieldrecon._core.validation import as_degree, as_line, as_queries
+from fieldrecon._core.validation import as_degree, as_line, as_numbers, as_queries, unmasked
 
 
 def b_splines(knots: ArrayLike, degree: int, x: ArrayLike) -> np.ndarray:
     """B-splines by recursion: non-negative, of local support, with the sum one.
 
-    B_(i,0) = 1 on [t_i, t_(i+1)), else 0, and
+    B_(i,0) = 1 on [t_i, t_(i+1)), else 0; the last of these intervals is closed, so that the sum is
+    one at the last of k + 1 coincident knots as well (de Boor); and
 
         B_(i,k)(x) = (x - t_i) / (t_(i+k) - t_i) B_(i,k-1)(x)
                    + (t_(i+k+1) - x) / (t_(i+k+1) - t_(i+1)) B_(i+1,k-1)(x),
@@ -34,7 +35,7 @@ def b_splines(knots: ArrayLike, degree: int, x: ArrayLike) -> np.ndarray:
     Returns
     -------
     (..., n - k - 1) ndarray
-        Values of all B-splines; continuous from the right.
+        Values of all B-splines; continuous from the right, at the last knot from the left.
 
     Raises
     ------
@@ -52,6 +53,7 @@ def b_splines(knots: ArrayLike, degree: int, x: ArrayLike) -> np.ndarray:
     """
     t, x = _knots(knots, degree), _numbers(x)
     b = ((t[:-1] <= x) & (x < t[1:])).astype(float)
+    b[x[..., 0] == t[-1], np.flatnonzero(t[:-1] < t[-1])[-1:]] = 1.0
     for k in range(1, degree + 1):
         rising = _quotient(x - t[: -k - 1], t[k:-1] - t[: -k - 1])
         falling = _quotient(t[k + 1 :] - x, t[k + 1 :] - t[1:-k])
@@ -78,7 +80,7 @@ def b_splines_by_divided_differences(knots: ArrayLike, degree: int, x: ArrayLike
     Returns
     -------
     (..., n - k - 1) ndarray
-        Values of all B-splines; continuous from the right.
+        Values of all B-splines; continuous from the right, at the last knot from the left.
 
     References
     ----------
@@ -86,7 +88,7 @@ def b_splines_by_divided_differences(knots: ArrayLike, degree: int, x: ArrayLike
     """
     t, x = _knots(knots, degree), _numbers(x)
     columns = [
-        (window[-1] - window[0]) * _divided_difference(window, degree, x[..., 0])
+        (window[-1] - window[0]) * _divided_difference(window, degree, x[..., 0], t[-1])
         for window in np.lib.stride_tricks.sliding_window_view(t, degree + 2)
     ]
     return np.stack(columns, axis=-1)
@@ -163,7 +165,10 @@ def radial_form(
     >>> radial_form([0.0, 1.0, 2.0], [1.0, -2.0, 1.0], [0.0, 0.0])
     (array([ 0.5, -1. ,  0.5]), array([-3.,  3.]))
     """
-    x, alpha, beta = (np.asarray(a) for a in (points, alpha, beta))
+    x, alpha, beta = (
+        np.asarray(unmasked(a, name))
+        for a, name in ((points, "points"), (alpha, "alpha"), (beta, "beta"))
+    )
     first = beta[0] - np.tensordot(x**3, alpha, axes=1) / 2
     second = beta[1] + 1.5 * np.tensordot(x**2, alpha, axes=1)
     return alpha / 2, np.stack([first, second])
@@ -181,26 +186,28 @@ def _knots(knots: ArrayLike, degree: int) -> np.ndarray:
 
 
 def _numbers(x: ArrayLike) -> np.ndarray:
-    return as_queries(np.asarray(x)[..., None], 1)
+    return as_queries(as_numbers(x, "x", complex_allowed=False)[..., None], 1)
 
 
 def _quotient(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.where(b > 0, a / np.where(b > 0, b, 1.0), 0.0)
 
 
-def _divided_difference(t: np.ndarray, degree: int, x: np.ndarray) -> np.ndarray:
+def _divided_difference(t: np.ndarray, degree: int, x: np.ndarray, last: float) -> np.ndarray:
     """[t_0, ..., t_n] (. - x)_+^degree at each x, by the triangle of differences."""
-    level = [_power(knot - x, degree) for knot in t]
+    closed = x == last
+    level = [_power(knot - x, degree, closed) for knot in t]
     for j in range(1, len(t)):
         level = [
             (level[i + 1] - level[i]) / (t[i + j] - t[i])
             if t[i + j] > t[i]
-            else math.comb(degree, j) * _power(t[i] - x, degree - j)
+            else math.comb(degree, j) * _power(t[i] - x, degree - j, closed)
             for i in range(len(t) - j)
         ]
     return level[0]
 
 
-def _power(y: np.ndarray, degree: int) -> np.ndarray:
-    """Truncated power y_+^degree, zero at zero also for the degree zero."""
-    return np.where(y > 0, y, 0.0) ** degree * (y > 0) if degree >= 0 else np.zeros_like(y)
+def _power(y: np.ndarray, degree: int, closed: np.ndarray) -> np.ndarray:
+    """Truncated power y_+^degree; y_+^0 is zero at zero, but one where it is closed."""
+    there = (y > 0) | (closed & (y == 0))
+    return np.where(there, y, 0.0) ** degree * there if degree >= 0 else np.zeros_like(y)

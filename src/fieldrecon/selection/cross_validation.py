@@ -15,6 +15,7 @@ from typing import TypeVar
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fieldrecon._core import validation as valid
 from fieldrecon.selection.leaving_one_out import leave_one_out
 from fieldrecon.selection.models import Maker, Model
 
@@ -82,6 +83,8 @@ class CrossValidator:
     @classmethod
     def of(cls, points: np.ndarray, values: np.ndarray, seed: int = 0) -> CrossValidator:
         """Draw the blocks, if there are more than a few samples."""
+        points = valid.as_points(points)
+        values = valid.as_values(values, len(points))
         n = len(points)
         if n <= FEW:
             return cls(points, values)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
+from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import chunked, rows_of
 
 AMONG, GAP, OUTSIDE = 0, 1, 2
@@ -40,6 +41,8 @@ def extrapolated(points: np.ndarray, x: np.ndarray, on_globe: bool = False) -> n
     >>> extrapolated(ring, np.array([[0.99, 0.0], [0.0, 0.0], [2.0, 0.0]])).tolist()
     [0, 1, 2]
     """
+    points = valid.as_points(points)
+    x = valid.as_queries(x, points.shape[1])
     outside = _outside_on_globe(points, x) if on_globe else outside_hull(points, x)
     result = np.where(_in_gap(points, x), GAP, AMONG).astype(np.int8)
     result[outside] = OUTSIDE

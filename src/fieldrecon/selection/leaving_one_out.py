@@ -21,8 +21,9 @@ def leave_one_out(
     nearest sites, whose neighbourhoods change, the point is left out of its own fit. Radial basis
     functions: lambda_i / (H^-1)_ii (Rippa 1999); on patches, the mean of these over those that
     contain the point, by their weights there. The patches stay where they are, so these residuals
-    estimate the error, and are not those of fits without the point. Any other method is made again
-    on the other points, n times.
+    estimate the error, and are not those of fits without the point. Hermite data: the formula of
+    radial basis functions for functionals. Natural splines: (K f)_i / K_ii with the energy f^T K f.
+    Any other method is made again on the other points, n times.
 
     Parameters
     ----------
@@ -44,7 +45,8 @@ def leave_one_out(
     numpy.linalg.LinAlgError
         If the sites without one of them no longer determine the field.
     TypeError
-        If the method is not made from points, so that none of them can be left out.
+        If the method is not made from points, so that none of them can be left out, or has no
+        meaning without one: barycentric coordinates.
 
     References
     ----------

@@ -171,12 +171,14 @@ def as_solid(
     """
     if not callable(field) or not callable(getattr(field, "gradient", None)):
         raise ValueError(f"field must be callable and have a gradient; got {field!r}")
-    return _FieldSolid(field, as_box(box), None if near is None else valid.as_points(near), spacing)
+    return _FieldSolid(
+        field, as_box(box), None if near is None else valid.as_points(near, "near"), spacing
+    )
 
 
 def as_box(box: ArrayLike) -> np.ndarray:
     """Validate the low and high corner (2, 3) of a box."""
-    b = valid.as_queries(box, 3)
+    b = valid.as_queries(box, 3, "box")
     if b.shape != (2, 3) or not (b[0] < b[1]).all():
         raise ValueError(f"box must be a low and a high corner, (2, 3); got {b.tolist()}")
     return b
@@ -335,10 +337,10 @@ def transform(
     >>> float(transform(Ball(1.0), shift=[5, 0, 0], scale=2.0)([5.0, 0, 0]))
     2.0
     """
-    r = np.eye(3) if rotation is None else valid.as_queries(rotation, 3)
+    r = np.eye(3) if rotation is None else valid.as_queries(rotation, 3, "rotation")
     if r.shape != (3, 3) or not np.allclose(r @ r.T, np.eye(3), atol=1e-9):
         raise ValueError(f"rotation must be an orthogonal matrix (3, 3); got {r.tolist()}")
-    to = valid.as_queries(shift, 3)
+    to = valid.as_queries(shift, 3, "shift")
     return _Transformed(as_solids((solid,))[0], r, to, valid.as_length(scale, "scale"))
 
 

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
+from fieldrecon.solids.constructive import as_box
 
 LIGHT = (-0.35, 0.5, 0.8)
 """Direction to the light: from the left, from above, and from the side of the viewer."""
@@ -46,7 +47,7 @@ def ray_intersections(
         Values (k,) at points (k, d), positive inside, and negative at the origins.
     origins : (k, d) array_like
     direction : (d,) array_like
-        Unit vector.
+        Direction of all rays, a vector of any length but zero.
     lengths : float or (k,) array_like
         Lengths of the rays.
     step : float
@@ -67,6 +68,11 @@ def ray_intersections(
     (k,) ndarray
         Distances; inf for rays without an intersection.
 
+    Raises
+    ------
+    ValueError
+        If an argument has the wrong form, or the function is not finite at a point of a ray.
+
     References
     ----------
     Hart, Sphere tracing (1996); Dowell and Jarratt, A modified regula falsi method (1971).
@@ -77,11 +83,11 @@ def ray_intersections(
     >>> ray_intersections(ball, [[0, 0, 3], [0, 0.6, 3], [0, 2, 3]], [0, 0, -1], 6.0, 0.1)
     array([2. , 2.2, inf])
     """
-    o = np.asarray(valid.as_points(origins, "origins"))
-    ahead = valid.as_queries(direction, o.shape[1])
+    o = valid.as_points(origins, "origins", none_allowed=True)
+    ahead = _unit_vector(direction, o.shape[1])
     step = valid.as_length(step, "step")
     tree = None if near is None else cKDTree(valid.as_points(near, "near"))
-    lengths = np.broadcast_to(np.asarray(lengths, dtype=float), len(o))
+    lengths = _as_lengths(lengths, len(o))
     t, before = np.zeros(len(o)), np.zeros(len(o))
     bracketed = np.zeros(len(o), dtype=bool)
     ends = np.zeros((2, len(o)))
@@ -94,7 +100,7 @@ def ray_intersections(
             free = tree.query(points)[0] - 2 * step
             on = np.maximum(free, step)
             evaluated = np.flatnonzero(free <= 0)
-        values = solid(points[evaluated])
+        values = _values(solid, points[evaluated])
         found = values >= 0
         ends[1, active[evaluated]] = values
         bracketed[active[evaluated[found]]] = True
@@ -116,6 +122,41 @@ def ray_intersections(
     return distance
 
 
+def _unit_vector(direction: ArrayLike, d: int) -> np.ndarray:
+    vector = valid.as_numbers(direction, "direction", complex_allowed=False)
+    if vector.shape != (d,) or not vector.any():
+        raise ValueError(
+            f"direction must be one vector of {d} coordinates, not all zero; got {direction!r}"
+        )
+    vector = vector / np.abs(vector).max()
+    return vector / np.linalg.norm(vector)
+
+
+def _as_lengths(lengths: ArrayLike, n: int) -> np.ndarray:
+    """Lengths (n,) of the rays; a ray of negative length has no points."""
+    given = valid.as_numbers(lengths, "lengths", complex_allowed=False)
+    if given.shape not in ((), (n,)):
+        raise ValueError(f"lengths must be one number, or {n}, one for each ray; got {given.shape}")
+    return np.broadcast_to(given, n)
+
+
+def _values(solid: Callable[[np.ndarray], np.ndarray], points: np.ndarray) -> np.ndarray:
+    """Values (k,) of the function at the points, refused if one is not finite."""
+    if not len(points):
+        return np.zeros(0)
+    values = np.asarray(solid(points))
+    if values.shape != (len(points),):
+        raise ValueError(
+            f"solid must have one value at each of {len(points)} points; got the shape "
+            f"{values.shape}"
+        )
+    wrong = np.flatnonzero(~np.isfinite(values))
+    if len(wrong):
+        where = valid.format_point(points[wrong[0]])
+        raise ValueError(f"solid must be finite on the rays; at ({where}) it is {values[wrong[0]]}")
+    return values
+
+
 def _refined(
     solid: Callable[[np.ndarray], np.ndarray],
     origins: np.ndarray,
@@ -132,7 +173,7 @@ def _refined(
         lo, hi, flo, fhi = a[active], b[active], fa[active], fb[active]
         share = np.where(fhi - flo > 0, -flo / np.where(fhi - flo > 0, fhi - flo, 1), 0.5)
         middle = lo + (0.5 if k % 4 == 3 else np.clip(share, 0, 1)) * (hi - lo)
-        value = solid(origins[active] + middle[:, None] * ahead)
+        value = _values(solid, origins[active] + middle[:, None] * ahead)
         outside = value < 0
         again = side[active] == np.where(outside, -1, 1)
         a[active] = np.where(outside, middle, lo)
@@ -198,8 +239,8 @@ class View:
         >>> View.of_box([[0, 0, 0], [2, 1, 1]], toward=[0, -1, 0], pixels=40).origins.shape
         (20, 40, 3)
         """
-        low, high = np.asarray(box, dtype=float)
-        axes = _axes(np.asarray(toward, dtype=float), np.asarray(up, dtype=float))
+        low, high = as_box(box)
+        axes = _axes(valid.as_queries(toward, 3, "toward"), valid.as_queries(up, 3, "up"))
         corners = np.stack(np.meshgrid(*zip(low, high, strict=True), indexing="ij"), axis=-1)
         projected = (corners.reshape(-1, 3) - low) @ axes
         first, last = projected.min(axis=0), projected.max(axis=0)
@@ -261,7 +302,7 @@ def ray_traced(
     hit = np.isfinite(distance)
     points = rays[hit] + distance[hit, None] * ahead
     image = np.zeros((len(rays), 4))
-    own = color(points) if callable(color) else np.asarray(color, dtype=float)
+    own = color(points) if callable(color) else valid.as_numbers(color, "color", False)
     image[hit, :3] = phong(-solid.gradient(points) @ view.axes, own)
     image[hit, 3] = 1
     return image.reshape(*view.origins.shape[:2], 4)

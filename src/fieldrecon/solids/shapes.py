@@ -21,7 +21,7 @@ class _Shape(Solid):
     """A body with a centre; F and its gradient in coordinates relative to the centre."""
 
     def __init__(self, half: ArrayLike, center: ArrayLike) -> None:
-        self._center = valid.as_queries(center, 3)
+        self._center = valid.as_queries(center, 3, "center")
         self.box = self._center + np.outer([-1.0, 1.0], np.broadcast_to(half, 3))
 
     def _values(self, x: np.ndarray) -> np.ndarray:
@@ -78,7 +78,7 @@ class Box(_Shape):
 
     def __init__(self, size: ArrayLike, center: ArrayLike = _ORIGIN) -> None:
         if np.ndim(size):
-            half = np.broadcast_to(valid.as_values(size, np.size(size)), 3) / 2
+            half = np.broadcast_to(valid.as_numbers(size, "size", complex_allowed=False), 3) / 2
         else:
             half = np.full(3, valid.as_length(size, "size")) / 2  # type: ignore[arg-type]
         if not (half > 0).all():

@@ -12,11 +12,15 @@ from fieldrecon._core.chunks import chunked
 from fieldrecon.polynomials import Frame
 from fieldrecon.surfaces.normals import ROWS, as_cloud, nearest, reach
 
+_NEIGHBORS = {2: 5, 3: 9}  # to which a point is joined, by dimension
 _MAX_SWEEPS = 20  # of votes; signs that still change are left as they are
 
 
 def orient_normals(
-    points: ArrayLike, normals: ArrayLike, neighbors: int | np.ndarray = 9, noise: float = 0.15
+    points: ArrayLike,
+    normals: ArrayLike,
+    neighbors: int | ArrayLike | None = None,
+    noise: float = 0.15,
 ) -> np.ndarray:
     """Choose the signs of normals such that neighbours agree, and normals point outward.
 
@@ -30,17 +34,19 @@ def orient_normals(
     contradict are reversed. Each connected part gets the sign with which it encloses a positive
     volume, sum_i a_i n_i . (p_i - c) > 0, with the centre c of the part and areas a_i by the
     distances of neighbours. A part without volume, such as a plane, gets the sign that makes the
-    largest component of the sum of its normals positive.
+    largest component of the sum of its normals positive. For curves in the plane the volume is the
+    enclosed area.
 
     Parameters
     ----------
-    points : (n, 3) array_like
-        Points on a surface.
-    normals : (n, 3) array_like
+    points : (n, d) array_like
+        Points on a surface (d = 3) or on a plane curve (d = 2).
+    normals : (n, d) array_like
         Unit normals of any sign, such as those of `estimate_normals`.
-    neighbors : int or (n, k) ndarray of int
+    neighbors : int or (n, k) array_like of int, optional
         Number of nearest points to which each is joined, itself included, 3 or more; or their
-        indices, such as `PointNormals.neighbors`, which saves a search.
+        indices, such as `PointNormals.neighbors`, which saves a search. By default 9 on a surface
+        and 5 on a curve.
     noise : float
         Penalty of edges across the surface, zero or positive. Both noise and a sheet thinner than
         the spacing of the points make edges steep, and cannot be distinguished. Zero is best for
@@ -48,7 +54,7 @@ def orient_normals(
 
     Returns
     -------
-    (n, 3) ndarray
+    (n, d) ndarray
         The normals, each with its sign or the opposite one.
 
     Raises
@@ -71,34 +77,37 @@ def orient_normals(
     >>> bool((np.sum(outward * x, axis=1) > 0.9).all())
     True
     """
-    cloud = as_cloud(points)
+    cloud = as_cloud(points, (2, 3))
     p = Frame.around(cloud).local(cloud)
-    n = valid.as_queries(normals, 3)
+    n = valid.as_points(normals, "normals")
     if n.shape != p.shape:
         raise ValueError(f"normals must have the shape of the points, {p.shape}; got {n.shape}")
     noise = valid.as_length(noise, "noise", zero_allowed=True)
-    index = _as_neighbors(neighbors, p)
+    index = _as_neighbors(_NEIGHBORS[p.shape[1]] if neighbors is None else neighbors, p)
     agreement, steepness = _edges(p.T, n.T, index)
     # scipy.sparse drops edges of cost zero, hence the shift
     costs = 2 - np.abs(agreement) + noise * steepness
     sign, part = _propagate(_minimum_spanning_forest(costs, index), p, n)
     _vote(sign, agreement * np.maximum(1 - 2 * steepness, 0), index)
     oriented = sign[:, None] * n
-    return oriented * _outward(p, oriented, reach(p, index) ** 2, part)[part, None]
+    areas = reach(p, index) ** (p.shape[1] - 1)
+    return oriented * _outward(p, oriented, areas, part)[part, None]
 
 
-def _as_neighbors(neighbors: int | np.ndarray, p: np.ndarray) -> np.ndarray:
+def _as_neighbors(neighbors: int | ArrayLike, p: np.ndarray) -> np.ndarray:
     """Validate indices (n, k), or find the nearest points."""
-    if not isinstance(neighbors, np.ndarray):
-        return nearest(p, neighbors)
-    if neighbors.ndim != 2 or len(neighbors) != len(p) or neighbors.dtype.kind not in "iu":
-        raise ValueError(
-            f"neighbors must be a number, or indices of the shape ({len(p)}, k); got "
-            f"{neighbors.dtype} of the shape {neighbors.shape}"
-        )
-    if not ((neighbors >= 0) & (neighbors < len(p))).all():
+    wanted = f"neighbors must be a number, or indices of the shape ({len(p)}, k)"
+    try:
+        index = np.asarray(neighbors)
+    except ValueError:
+        raise ValueError(f"{wanted}; the rows differ in length") from None
+    if index.ndim == 0:
+        return nearest(p, index.item())
+    if index.ndim != 2 or len(index) != len(p) or index.dtype.kind not in "iu":
+        raise ValueError(f"{wanted}; got {index.dtype} of the shape {index.shape}")
+    if not ((index >= 0) & (index < len(p))).all():
         raise ValueError(f"neighbors must be indices of the {len(p)} points")
-    return neighbors
+    return index
 
 
 def _edges(p: np.ndarray, n: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -123,7 +132,10 @@ def _agreement(
     """Agreement of n_j with the mirrored n_i, and the steepness |e . n_i| |e . n_j|."""
 
     def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+        total: np.ndarray = a[0] * b[0]
+        for x, y in zip(a[1:], b[1:], strict=True):
+            total = total + x * y
+        return total
 
     squared = dot(offset, offset)
     steep = dot(offset, n) * dot(offset, other)

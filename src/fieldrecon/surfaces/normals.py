@@ -1,4 +1,4 @@
-"""Normals of a cloud of points on a surface, by principal component analysis of neighbours."""
+"""Normals of points on a surface or on a plane curve, by principal component analysis."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from fieldrecon.polynomials import EPS, Frame, resolution
 ROWS = 2**13
 """Points of a chunk, whose neighbourhoods fit in the cache."""
 
+_NEIGHBORS = {2: 7, 3: 16}  # to which a line or a plane is fitted, by dimension
+
 
 @dataclass(frozen=True)
 class PointNormals:
@@ -23,37 +25,43 @@ class PointNormals:
 
     Attributes
     ----------
-    vectors : (n, 3) ndarray
-        Unit normals of the least-squares planes through the neighbours of each point.
+    vectors : (n, d) ndarray
+        Unit normals of the least-squares planes through the neighbours of each point; of lines in
+        the plane.
+    deviations : (n, d) ndarray
+        Standard deviations of the neighbours along their principal axes, decreasing: lengths. Their
+        squares are the variances l_1 >= ... >= l_d; the last is the one across the plane.
     planarity : (n,) ndarray
-        1 - l_3 / l_2 of the variances l_1 >= l_2 >= l_3 of the neighbours: one if they lie in a
-        plane, zero if no plane fits better than another.
+        1 - l_d / l_(d-1): one if the neighbours lie in a plane (on a line), zero if no plane fits
+        better than another.
     planar : (n,) ndarray of bool
-        Whether a plane can be fitted: the variance across it is at most a quarter of both along
-        it, and the neighbours do not lie on a line.
+        Whether a plane can be fitted: the variance across it is at most a quarter of those along
+        it, and the neighbours do not lie on a line in space, or at one point.
     neighbors : (n, k) ndarray of int
         The neighbours of each point, from near to far.
     """
 
     vectors: np.ndarray
+    deviations: np.ndarray
     planarity: np.ndarray
     planar: np.ndarray
     neighbors: np.ndarray
 
 
-def estimate_normals(points: ArrayLike, neighbors: int = 16) -> PointNormals:
-    """Estimate the normals of a surface at points on it.
+def estimate_normals(points: ArrayLike, neighbors: int | None = None) -> PointNormals:
+    """Estimate the normals of a surface, or of a curve in the plane, at points on it.
 
     The normal is the direction of least variance of the neighbours. A perturbation E of the
-    covariance rotates the normal by about |E| / (l_2 - l_3), so only the gap between the two
-    smaller variances matters.
+    covariance rotates the normal by about |E| / (l_(d-1) - l_d), so only the gap between the two
+    smallest variances matters.
 
     Parameters
     ----------
-    points : (n, 3) array_like
-        Points on a surface, three or more.
-    neighbors : int
-        Number of neighbours, the point itself included; 3 or more.
+    points : (n, d) array_like
+        Points on a surface (d = 3) or a plane curve (d = 2), three or more.
+    neighbors : int, optional
+        Number of neighbours, the point itself included; 3 or more. By default 16 on a surface and
+        7 on a curve.
 
     Returns
     -------
@@ -63,7 +71,8 @@ def estimate_normals(points: ArrayLike, neighbors: int = 16) -> PointNormals:
     Raises
     ------
     ValueError
-        If the points are not a finite (n, 3) array with n >= 3, or `neighbors` is less than 3.
+        If the points are not a finite (n, 2) or (n, 3) array with n >= 3, or `neighbors` is less
+        than 3.
 
     References
     ----------
@@ -76,40 +85,46 @@ def estimate_normals(points: ArrayLike, neighbors: int = 16) -> PointNormals:
     >>> abs(estimate.vectors[0]), bool(estimate.planar.all())
     (array([0., 0., 1.]), True)
     """
-    cloud = as_cloud(points)
-    p = Frame.around(cloud).local(cloud)
-    index = nearest(p, neighbors)
-    normals, variances = np.empty((len(p), 3)), np.empty((len(p), 3))
+    cloud = as_cloud(points, (2, 3))
+    frame = Frame.around(cloud)
+    p = frame.local(cloud)
+    index = nearest(p, _NEIGHBORS[p.shape[1]] if neighbors is None else neighbors)
+    normals, variances = np.empty(p.shape), np.empty(p.shape)
     work = partial(_principal, np.ascontiguousarray(p.T))
     for rows, (axis, variance) in chunked(work, index, ROWS):
         normals[rows], variances[rows] = axis, variance
-    least, middle, largest = np.maximum(variances, 0.0).T
+    variances = np.maximum(variances, 0.0)
+    least, middle, largest = variances[:, 0], variances[:, 1], variances[:, -1]
+    deviations = np.sqrt(variances[:, ::-1] / index.shape[1]) * frame.scale
     planarity = 1.0 - np.divide(least, middle, out=np.ones_like(least), where=middle > 0)
     # otherwise the rounding of the covariance rotates the normal visibly
     determined = middle - least > 1e3 * EPS * largest
     wide = middle > 16 * index.shape[1] * resolution(cloud) ** 2
-    return PointNormals(normals, planarity, determined & wide & (planarity >= 0.75), index)
+    planar = determined & wide & (planarity >= 0.75)
+    return PointNormals(normals, deviations, planarity, planar, index)
 
 
 def _principal(coordinates: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Directions (m, 3) of least variance of the neighbours (m, k), and the variances (m, 3)."""
+    """Directions (m, d) of least variance of the neighbours (m, k), and the variances (m, d)."""
     offsets = np.take(coordinates, np.ascontiguousarray(index.T), axis=1)
     # differences first: far from the origin, squares would lose all digits
     offsets = offsets - offsets[:, :1]
     offsets -= offsets.mean(axis=1, keepdims=True)
-    covariance = np.empty((len(index), 3, 3))
-    for i in range(3):
+    d = len(offsets)
+    covariance = np.empty((len(index), d, d))
+    for i in range(d):
         for j in range(i + 1):  # eigh reads the lower triangle
             covariance[:, i, j] = np.einsum("km,km->m", offsets[i], offsets[j])
     variances, axes = np.linalg.eigh(covariance)
     return axes[:, :, 0], variances
 
 
-def as_cloud(points: ArrayLike) -> np.ndarray:
-    """Validate three or more points in space, (n, 3)."""
+def as_cloud(points: ArrayLike, dimensions: tuple[int, ...] = (3,), least: int = 3) -> np.ndarray:
+    """Validate three or more points in space, or of another dimension or least number."""
     p = valid.as_points(points)
-    if p.shape[1] != 3 or len(p) < 3:
-        raise ValueError(f"points must have the shape (n, 3), n at least 3; got {p.shape}")
+    if p.shape[1] not in dimensions or len(p) < least:
+        shapes = " or ".join(f"(n, {d})" for d in dimensions)
+        raise ValueError(f"points must have the shape {shapes}, n at least {least}; got {p.shape}")
     return p
 
 

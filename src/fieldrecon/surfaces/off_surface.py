@@ -56,7 +56,8 @@ def off_surface_points(
     normals : (n, 3) array_like
         Their outward normals, of any length.
     distance : float, optional
-        Largest distance from the surface; by default the spacing of the points by `spacing_of`.
+        Largest distance from the surface; by default the spacing of the points by `spacing_of`,
+        which needs three of them.
 
     Returns
     -------
@@ -136,7 +137,7 @@ def classified_points(
     [0.5, -2.0]
     """
     p, n = as_oriented(points, normals)
-    q = valid.as_points(x, "x")
+    q = valid.as_points(x, "x", none_allowed=True)
     if q.shape[1] != 3:
         raise ValueError(f"x must have the shape (m, 3); got {q.shape}")
     if not 0 <= cosine <= 1:
@@ -172,7 +173,7 @@ def spacing_of(points: ArrayLike, neighbors: int = 9) -> float:
 
 def as_oriented(points: ArrayLike, normals: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     """Validate points (n, 3) and their normals, which are normalized."""
-    p = as_cloud(points)
+    p = as_cloud(points, least=1)
     n = valid.as_points(normals, "normals")
     if n.shape != p.shape:
         raise ValueError(f"normals must have the shape of the points, {p.shape}; got {n.shape}")

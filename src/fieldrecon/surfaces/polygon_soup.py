@@ -15,6 +15,7 @@ from scipy.spatial.distance import cdist
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, rows_of
 from fieldrecon._core.geometry import triangle_normals
+from fieldrecon.polynomials import power_of_two_above
 from fieldrecon.reconstruction import DENSE_LIMIT_BYTES
 from fieldrecon.solids.constructive import Solid
 from fieldrecon.surfaces.triangle_integrals import over_segments, over_triangles
@@ -107,25 +108,30 @@ class PolygonSoup:
         m, d = self.polygons.shape
         offsets = np.zeros(m) if offsets is None else offsets
         self.offsets = np.asarray(valid.as_values(offsets, m, "offsets", "polygon"), dtype=float)
-        corners = self.points[self.polygons]
+        # in a unit of the soup's size no power of a distance leaves the range of numbers
+        self._scale = float(power_of_two_above(np.ptp(self.points / 2, axis=0).max()))
+        points = self.points / self._scale
+        corners = points[self.polygons]
         normals = _normals(corners)
         extent = np.linalg.norm(normals, axis=1)
         kept = extent > 0
         if not kept.any():
             raise ValueError("polygons must not all be degenerate: none has a length or an area")
-        self._kept, self._middle = kept, self.points.mean(axis=0)
+        self._kept, self._middle = kept, points.mean(axis=0)
         self._corners = corners[kept] - self._middle
         self._normals = normals[kept] / extent[kept, None]
         sides = self._corners - np.roll(self._corners, 1, axis=1)
         self._diameters = np.linalg.norm(sides, axis=2).max(axis=1)
         self._centers = self._corners.mean(axis=1)
-        self._heights = np.einsum("md,md->m", self._normals, self._centers) + self.offsets[kept]
+        self._heights = np.einsum("md,md->m", self._normals, self._centers)
+        self._heights += self.offsets[kept] / self._scale
         shape, weights = _RULES[d]
         self._nodes = np.einsum("qc,mcd->mqd", shape, self._corners)
         self._shares = (extent[kept] / (d - 1))[:, None] * weights
         self._reach = (_RULE_ERROR / self.tol) ** (1 / 6) * self._diameters
-        size = np.ptp(self.points, axis=0).max()
-        self._epsilon = max(self.epsilon, LEAST_EPSILON * size)
+        self._epsilon = max(
+            self.epsilon / self._scale, LEAST_EPSILON * np.ptp(points, axis=0).max()
+        )
 
     def __call__(self, x: ArrayLike, *, progress: Progress | None = None) -> np.ndarray:
         """Values of F.
@@ -140,7 +146,7 @@ class PolygonSoup:
         -------
         (...) ndarray
         """
-        return self._in_chunks(self._values, x, (), progress)
+        return self._scale * self._in_chunks(self._values, x, (), progress)
 
     def gradient(self, x: ArrayLike, *, progress: Progress | None = None) -> np.ndarray:
         """Gradients (..., d) of F."""
@@ -174,8 +180,8 @@ class PolygonSoup:
         own, index = np.unique(used, return_inverse=True)
         index = index.reshape(used.shape)
         weights = self.weights(self.points[own])
-        x = self.points[own] - self._middle
-        offsets = self.offsets[self._kept]
+        x = self.points[own] / self._scale - self._middle
+        offsets = self.offsets[self._kept] / self._scale
         base = np.einsum("vm,vm->v", weights, self._heights - offsets - x @ self._normals.T)
         best, least, idle = offsets, np.inf, 0
         for _ in range(_MAX_SWEEPS):
@@ -188,7 +194,7 @@ class PolygonSoup:
                 break
             offsets = offsets - values[index].min(axis=1)
         every = self.offsets.copy()
-        every[self._kept] = best
+        every[self._kept] = self._scale * best
         return PolygonSoup(self.points, self.polygons, self.epsilon, every, self.tol)
 
     def _in_chunks(
@@ -200,7 +206,7 @@ class PolygonSoup:
     ) -> np.ndarray:
         d = self.points.shape[1]
         queries = valid.as_queries(x, d)
-        flat = queries.reshape(-1, d) - self._middle
+        flat = queries.reshape(-1, d) / self._scale - self._middle
         result = np.empty((len(flat), *of))
         rows = rows_of(8 * 4 * self._shares.size)
         for part, values in chunked(work, flat, rows, progress=progress):
@@ -274,7 +280,7 @@ def _as_polygons(polygons: ArrayLike, points: np.ndarray) -> np.ndarray:
     n, d = points.shape
     if d not in _RULES:
         raise ValueError(f"points must lie in the plane or in space; got the shape {points.shape}")
-    array = np.asarray(polygons)
+    array = np.asarray(valid.unmasked(polygons, "polygons"))
     if array.ndim != 2 or array.shape[1] != d or array.dtype.kind not in "iu" or not len(array):
         raise ValueError(
             f"polygons must be indices of the shape (m, {d}), m at least 1; got {array.dtype} of "

@@ -159,7 +159,7 @@ def _lifted(points: ArrayLike, normals: ArrayLike, time: float) -> tuple[np.ndar
 
 def _as_normals(normals: ArrayLike, p: np.ndarray) -> np.ndarray:
     """Unit normals (n, d)."""
-    n = valid.as_queries(normals, p.shape[1])
+    n = valid.as_queries(normals, p.shape[1], "normals")
     if n.shape != p.shape:
         raise ValueError(f"normals must have the shape of the points, {p.shape}; got {n.shape}")
     length = np.linalg.norm(n, axis=1, keepdims=True)

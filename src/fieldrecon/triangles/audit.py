@@ -231,6 +231,7 @@ def as_surface(points: ArrayLike, triangles: ArrayLike) -> tuple[np.ndarray, np.
     p = valid.as_points(points)
     if p.shape[1] != 3:
         raise ValueError(f"points must have the shape (n, 3); got {p.shape}")
+    triangles = valid.unmasked(triangles, "triangles")
     try:
         given = np.asarray(triangles)
     except ValueError:

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked
 from fieldrecon._core.geometry import triangle_normals
+from fieldrecon.triangles.audit import as_surface
 
 _ROWS = 4096
 _VERTICES = 6
 
 
 def distances_to_triangles(
-    x: np.ndarray, points: np.ndarray, triangles: np.ndarray, *, progress: Progress | None = None
+    x: ArrayLike, points: ArrayLike, triangles: ArrayLike, *, progress: Progress | None = None
 ) -> np.ndarray:
     """Distances of points to the triangles around their nearest vertices.
 
@@ -23,10 +26,10 @@ def distances_to_triangles(
 
     Parameters
     ----------
-    x : (k, 3) ndarray
-    points : (n, 3) ndarray
+    x : (k, 3) array_like
+    points : (n, 3) array_like
         Vertices.
-    triangles : (m, 3) ndarray of int
+    triangles : (m, 3) array_like of int
     progress : callable, optional
         Called as progress(done, total) with numbers of points.
 
@@ -45,6 +48,8 @@ def distances_to_triangles(
     >>> distances_to_triangles(queries, corners, np.array([[0, 1, 2]])).round(6)
     array([3.      , 1.      , 0.707107])
     """
+    x = valid.as_points(x, "x", none_allowed=True)
+    points, triangles = as_surface(points, triangles)
     middle = points.mean(axis=0)
     p = points - middle
     used = np.unique(triangles)

@@ -17,6 +17,8 @@ from fieldrecon.velocity.vertices import (
     VertexVelocities,
     divergence,
     normal_velocities,
+    point_velocities,
+    point_velocity_weights,
     velocity_weights,
     vertex_velocities,
 )
@@ -31,6 +33,8 @@ __all__ = [
     "local_moving_least_squares",
     "local_rbf",
     "normal_velocities",
+    "point_velocities",
+    "point_velocity_weights",
     "raviart_thomas",
     "velocity_weights",
     "vertex_gradients",

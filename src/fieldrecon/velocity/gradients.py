@@ -279,7 +279,7 @@ class _LocalGradients:
 def _as_sites(mesh: SimplexMesh, sites: ArrayLike | None) -> np.ndarray:
     if sites is None:
         return mesh.circumcenters
-    p = valid.as_points(sites)
+    p = valid.as_points(sites, "sites")
     wanted = (len(mesh.cells), mesh.points.shape[1])
     if p.shape != wanted:
         raise ValueError(f"sites must be one point for each cell, shape {wanted}; got {p.shape}")

@@ -33,6 +33,8 @@ class Stencils:
 
     Attributes
     ----------
+    positions : (m,) ndarray of int
+        Positions in the list of vertices.
     vertices : (m,) ndarray of int
         The vertices.
     index : (m, k) ndarray of int
@@ -41,13 +43,15 @@ class Stencils:
         Whether there is a site.
     """
 
+    positions: np.ndarray
     vertices: np.ndarray
     index: np.ndarray
     there: np.ndarray
 
     def subset(self, chosen: np.ndarray) -> Stencils:
         """The stencils of the chosen vertices."""
-        return Stencils(self.vertices[chosen], self.index[chosen], self.there[chosen])
+        kept = (part[chosen] for part in (self.positions, self.vertices, self.index, self.there))
+        return Stencils(*kept)
 
 
 @dataclass(frozen=True)
@@ -272,7 +276,7 @@ def _fit_ring(
         column = np.arange(counts[rows].max())
         there = column < counts[rows, None]
         index = sites.indices.take(np.where(there, start[rows, None] + column, 0))
-        stencils = Stencils(vertices[pending[rows]], index, there)
+        stencils = Stencils(pending[rows], vertices[pending[rows]], index, there)
         local = fit(stencils)
         # if wider rings have no further sites, any determined result is accepted
         limit = np.where(local.counted == before[rows], LARGEST_WEIGHT, WELL_DETERMINED)

@@ -1,4 +1,4 @@
-"""Velocities on meshes: from vertices to the normal velocities of faces, and back."""
+"""Velocities on meshes: from vertices to the normal velocities of faces, and back anywhere."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
+from scipy.spatial import cKDTree
 
 from fieldrecon._core import validation as valid
 from fieldrecon._numerics.weighted_least_squares import estimable_weights
@@ -103,12 +104,12 @@ def divergence(mesh: SimplexMesh, v: ArrayLike) -> np.ndarray:
 
 @dataclass(frozen=True)
 class VertexVelocities:
-    """Velocities at vertices, and the number of rings of cells that each needed.
+    """Velocities at vertices or at other points, and the number of rings that each needed.
 
     Attributes
     ----------
     values : (m, ..., d) ndarray
-        Velocity at each vertex.
+        Velocity at each vertex or point.
     rings : (m,) ndarray of int
         Number of rings of cells whose faces entered the fit: the fewest that determine it.
     """
@@ -214,11 +215,121 @@ def velocity_weights(
     return found.matrices()
 
 
-class _AffineVelocity:
-    """The fits B'c = V' of affine velocity fields about vertices to the normal velocities."""
+def point_velocities(
+    mesh: SimplexMesh, v: ArrayLike, x: ArrayLike, weight: Radial | None = None
+) -> VertexVelocities:
+    """Velocities at any points from the normal velocities of the faces around.
 
-    def __init__(self, mesh: SimplexMesh, weight: Radial | None) -> None:
-        self.mesh = mesh
+    The fit of `vertex_velocities` with x in the place of the vertex: u(y) = c_0 + sum_k (y - x)_k
+    c_k, weights w(|p_a - x|), and the value c_0. Its faces are those of the first rings of cells
+    about the nearest vertex that determine it. So the velocity is that of the vertex at a vertex,
+    and between vertices it jumps where another one becomes the nearest, unless the weights vanish
+    at the faces that change. An affine field is reproduced exactly, also outside the mesh.
+
+    Parameters
+    ----------
+    mesh : SimplexMesh
+        The mesh.
+    v : (f, ...) array_like
+        Normal velocity, or several, of each face, in the direction of `mesh.face_normals`.
+    x : (m, d) array_like
+        The points.
+    weight : Radial, optional
+        As for `vertex_velocities`.
+
+    Returns
+    -------
+    VertexVelocities
+        `values` (m, ..., d) and `rings` (m,).
+
+    Raises
+    ------
+    ValueError
+        If there is not a finite normal velocity for each face.
+    numpy.linalg.LinAlgError
+        If all faces with a weight do not determine the velocity at a point.
+
+    References
+    ----------
+    Erleben, Field Reconstruction, p. 8-10 and 18-22.
+
+    Examples
+    --------
+    >>> import numpy as np, fieldrecon as fr
+    >>> mesh = fr.SimplexMesh.delaunay(fr.datasets.halton(50, 2))
+    >>> rotation = mesh.points @ [[0, 1], [-1, 0]]
+    >>> v = normal_velocities(mesh, rotation)
+    >>> point_velocities(mesh, v, [[0.3, 0.6]]).values.round(12)
+    array([[-0.6,  0.3]])
+    """
+    v = as_normal_velocities(v, mesh)
+    x = _as_points_of(mesh, x)
+    found = ValuesOfWeights(x.shape[1], len(x), v.reshape(len(v), -1))
+    rings = _AffineVelocity(mesh, weight, x).at(_nearest_vertices(mesh, x), found)
+    return VertexVelocities(found.values.reshape(len(x), *v.shape[1:], x.shape[1]), rings)
+
+
+def point_velocity_weights(
+    mesh: SimplexMesh, x: ArrayLike, weight: Radial | None = None
+) -> tuple[sparse.csr_array, ...]:
+    """Weights of the normal velocities in each component of `point_velocities`.
+
+    Parameters
+    ----------
+    mesh : SimplexMesh
+        The mesh.
+    x : (m, d) array_like
+        The points.
+    weight : Radial, optional
+        As for `vertex_velocities`.
+
+    Returns
+    -------
+    tuple of d csr_arrays (m, f)
+        The velocity is (W_1 v, ..., W_d v).
+
+    Examples
+    --------
+    >>> import fieldrecon as fr
+    >>> mesh = fr.SimplexMesh.delaunay(fr.datasets.halton(50, 2))
+    >>> weights = point_velocity_weights(mesh, [[0.3, 0.6]])
+    >>> v = normal_velocities(mesh, [[3.0, 4.0]] * 50)
+    >>> [(w @ v).round(12).item() for w in weights]
+    [3.0, 4.0]
+    """
+    x = _as_points_of(mesh, x)
+    found = MatrixOfWeights(x.shape[1], (len(x), len(mesh.faces)))
+    _AffineVelocity(mesh, weight, x).at(_nearest_vertices(mesh, x), found)
+    return found.matrices()
+
+
+def _as_points_of(mesh: SimplexMesh, x: ArrayLike) -> np.ndarray:
+    """Points (m, d) in the space of a mesh."""
+    d = mesh.points.shape[1]
+    points = valid.as_queries(x, d)
+    if points.ndim != 2:
+        raise ValueError(f"x must have the shape (m, {d}); got {points.shape}")
+    return points
+
+
+def _nearest_vertices(mesh: SimplexMesh, x: np.ndarray) -> np.ndarray:
+    """The vertex of a cell nearest to each point; in a tie, any of them."""
+    vertices = np.flatnonzero(mesh.referenced)
+    frame = Frame.around(mesh.points)
+    tree = cKDTree(frame.local(mesh.points[vertices]))
+    return vertices[tree.query(frame.local(x), workers=-1)[1]]
+
+
+class _AffineVelocity:
+    """The fits B'c = V' of affine velocity fields about vertices to the normal velocities.
+
+    With points x, the fits are about these, on the stencils of the vertices.
+    """
+
+    def __init__(
+        self, mesh: SimplexMesh, weight: Radial | None, x: np.ndarray | None = None
+    ) -> None:
+        self.mesh, self.x = mesh, x
         self.weight = None if weight is None else as_weight(weight)
         self.unit = Frame.around(mesh.points).scale
         first, *others = (mesh.points.take(corner, axis=0) for corner in mesh.faces.T)
@@ -237,7 +348,10 @@ class _AffineVelocity:
         """Weights of the faces in the velocity at each vertex."""
         corner, to_center, normals = np.moveaxis(self.faces.take(stencils.index, axis=0), 2, 0)
         # by differences of points, not of centroids, which are rounded far from the origin
-        offset = corner - self.mesh.points[stencils.vertices][:, None] + to_center
+        center = (
+            self.mesh.points[stencils.vertices] if self.x is None else self.x[stencils.positions]
+        )
+        offset = corner - center[:, None] + to_center
         y, _ = scaled_offsets(offset, stencils.there)
         w = weights_at(self.weight, self.unit, offset, stencils.there)
         m, k, d = normals.shape

@@ -7,6 +7,9 @@ from numpy.typing import ArrayLike
 
 from fieldreport.framework.orders_of_magnitude import order_of_magnitude as order_of_magnitude
 
+ROUNDING = 1e-13
+"""Errors below this, of fields of size one, hold no digit of an order."""
+
 
 def rms(vectors: np.ndarray) -> float:
     """Return the root of the mean squared length of vectors (..., d)."""
@@ -29,7 +32,8 @@ def order(sizes: ArrayLike, errors: ArrayLike) -> float:
     Raises
     ------
     ValueError
-        If fewer than two sizes differ, or a size or an error is not positive and finite.
+        If fewer than two sizes differ, a size is not positive and finite, or an error is not
+        above rounding, of a field of size one.
 
     Examples
     --------
@@ -41,10 +45,10 @@ def order(sizes: ArrayLike, errors: ArrayLike) -> float:
     ValueError: an order of convergence needs two different sizes or more; got 0.1
     """
     sizes, errors = np.asarray(sizes, dtype=float), np.asarray(errors, dtype=float)
-    for name, values in (("sizes", sizes), ("errors", errors)):
-        if not (np.isfinite(values) & (values > 0)).all():
+    for name, values, least in (("sizes", sizes, 0.0), ("errors", errors, ROUNDING)):
+        if not (np.isfinite(values) & (values > least)).all():
             raise ValueError(
-                f"an order of convergence needs positive {name}; got {_listed(values)}"
+                f"an order of convergence needs {name} above {least:g}; got {_listed(values)}"
             )
     if len(np.unique(sizes)) < 2:
         raise ValueError(

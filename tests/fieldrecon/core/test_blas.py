@@ -178,8 +178,8 @@ GRID = np.dstack(np.meshgrid(np.linspace(0, 9, 4), np.linspace(0, 3, 3), indexin
         "_numerics.saddle_point._factored": lambda: fr.RBF(P, fr.thin_plate_spline()),
         "_numerics.saddle_point.lapack.dpotrs": lambda: fr.RBF(P, fr.thin_plate_spline()).field(F),
         "_numerics.saddle_point.qr": lambda: fr.RBF(SPACE, fr.wendland(3, 2, 0.12)),
-        "methods.least_squares.qr": lambda: fr.LeastSquares(P),
-        "polynomials.np.linalg.svd": lambda: fr.LeastSquares(P),
+        "_numerics.orthonormal_polynomials._svd": lambda: fr.LeastSquares(P),
+        "polynomials.np.linalg.svd": lambda: fr.RBF(P, fr.thin_plate_spline()),
         f"{FITS}.by_elimination": lambda: (
             fr.MovingLeastSquares(P, fr.wendland(3, 1)).weights(P),
             fr.vertex_gradients(MESH, CELLS),

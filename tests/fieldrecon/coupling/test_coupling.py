@@ -489,7 +489,7 @@ def test_moments_equal_cross_products():
             lambda t: t.shares(np.ones((90, 3)), np.full(90, -1), np.zeros(40, int)),
             "surface must be 90 numbers of parts",
         ),
-        (lambda t: t.defects(np.ones((90, 3)), [1.0]), "x must have 3 coordinates"),
+        (lambda t: t.defects(np.ones((90, 3)), [1.0]), "about must have 3 coordinates"),
         (lambda t: Coupling(t.method, np.ones((5, 2))), "x must have as many coordinates"),
     ],
 )

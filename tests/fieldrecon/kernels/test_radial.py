@@ -113,7 +113,8 @@ def the_slope_times_r_is_the_derivative(kernel: Radial) -> None:
 def functions_of_the_square_agree_with_those_of_the_distance(kernel: Radial) -> None:
     """of_squared(r²) and slope_of_squared(r²) must equal φ(r) and φ'(r)/r, and keep the shape."""
     for f, g in ((kernel, kernel.of_squared), (kernel.slope, kernel.slope_of_squared)):
-        assert_close(f(RADII), g(RADII**2), 0.0)
+        size = 1 + np.abs(f(RADII))
+        assert_close(f(RADII) / size, g(RADII**2) / size, EXACT)
         assert f(RADII.reshape(2, -1)).shape == (2, len(RADII) // 2)
         assert np.ndim(f(0.5)) == 0
 
@@ -147,6 +148,13 @@ def a_change_of_unit_multiplies_the_form_by_a_power(kernel: Radial) -> None:
     here = z.T @ kernel(cdist(x, x)) @ z
     there = z.T @ kernel.in_units(h)(cdist(x / h, x / h)) @ z
     assert_close(h**kernel.homogeneity * there, here, 1e-11)
+
+
+def the_function_of_extreme_lengths_is_that_of_their_ratio(kernel: Radial) -> None:
+    """φ(r) = φ_h(r/h) must hold also for h = 2^±600, whose square is out of range."""
+    if kernel.homogeneity == 0:
+        for h in (2.0**600, 2.0**-600):
+            assert_close(kernel.in_units(h)(RADII / h), kernel(RADII), EXACT)
 
 
 def null_space(x: np.ndarray, degree: int) -> np.ndarray:
@@ -185,6 +193,7 @@ RADIAL_LAWS = [
     the_function_vanishes_exactly_beyond_its_support,
     the_function_is_differentiable_at_the_origin_if_and_only_if_declared,
     a_change_of_unit_multiplies_the_form_by_a_power,
+    the_function_of_extreme_lengths_is_that_of_their_ratio,
     the_form_is_positive_definite_with_the_order,
     the_order_is_minimal,
 ]
@@ -202,11 +211,8 @@ def test_every_radial_function_obeys_the_laws(name):
 class wrong_sign(polyharmonic):
     """-r³ instead of r³."""
 
-    def of_squared(self, s):
-        return -super().of_squared(s)
-
-    def slope_of_squared(self, s):
-        return -super().slope_of_squared(s)
+    def of_distance(self, r):
+        return -super().of_distance(r)
 
 
 @dataclass(frozen=True)
@@ -227,8 +233,8 @@ class order_too_high(multiquadric):
 class derivative_for_slope(gaussian):
     """φ'(r) instead of φ'(r)/r."""
 
-    def slope_of_squared(self, s):
-        return super().slope_of_squared(s) * np.sqrt(s)
+    def slope_of_distance(self, r):
+        return super().slope_of_distance(r) * r
 
 
 @dataclass(frozen=True)
@@ -246,8 +252,8 @@ class slope_of_fourth_power(gaussian):
 class unbounded_support(wendland):
     """A Wendland function that does not vanish beyond the radius."""
 
-    def of_squared(self, s):
-        return (1 - np.sqrt(s)) ** 4 * (4 * np.sqrt(s) + 1)
+    def of_distance(self, r):
+        return (1 - r) ** 4 * (4 * r + 1)
 
 
 @dataclass(frozen=True)
@@ -265,12 +271,22 @@ class unit_forgotten(gaussian):
         return self
 
 
+@dataclass(frozen=True)
+class squared_lengths(multiquadric):
+    """Squares r."""
+
+    def of_distance(self, r):
+        with np.errstate(over="ignore"):
+            return -np.sqrt(1 + r * r / self.scale / self.scale)
+
+
 RADIAL_MUTANTS = {
     the_slope_times_r_is_the_derivative: derivative_for_slope(0.5),
     functions_of_the_square_agree_with_those_of_the_distance: slope_of_fourth_power(0.5),
     the_function_vanishes_exactly_beyond_its_support: unbounded_support(3, 1, 1.0),
     the_function_is_differentiable_at_the_origin_if_and_only_if_declared: smooth_cone(1),
     a_change_of_unit_multiplies_the_form_by_a_power: unit_forgotten(0.5),
+    the_function_of_extreme_lengths_is_that_of_their_ratio: squared_lengths(0.5),
     the_form_is_positive_definite_with_the_order: wrong_sign(3),
     the_order_is_minimal: order_too_high(0.5),
 }
@@ -328,6 +344,26 @@ def test_extreme_lengths_give_limits(make, scale):
     with np.errstate(all="ignore"):
         assert not np.isnan(make(scale)(np.array([0.5, 1.0]))).any()
         make(scale).slope(np.array([0.5, 1.0]))
+
+
+def test_values_whose_squares_are_out_of_range():
+    """They are right to the last digits where they are numbers: by closed forms."""
+    root = 2.0**-1022
+    for value, exact in (
+        (multiquadric(0.5)(-1e160), -2e160),
+        (inverse_multiquadric(0.5)(1e160), 0.5e-160),
+        (multiquadric(0.5).slope(1e160), -2e-160),
+        (gaussian(1e-200)(1e-200), np.exp(-1.0)),
+        (wendland(3, 0, 1e200)(5e199), 0.25),
+        (polyharmonic(1)(1e-200), -1e-200),
+        (polyharmonic(1)(root), -root),
+        (polyharmonic(1).slope(1e-200), -1e200),
+        (polyharmonic(2).slope(1e-200), 1 - 400 * np.log(10)),
+        (polyharmonic(3).slope(1e160), 3e160),
+        (thin_plate_spline().slope(1e-200), 2 - 800 * np.log(10)),
+        (matern(0.5, 1.0).slope(1e-200), -1e200),
+    ):
+        assert_close(value / exact, 1.0, EXACT)
 
 
 def test_compact_functions_vanish_at_huge_distances():

@@ -53,7 +53,7 @@ def test_sparse_and_dense_systems_have_the_same_solution(degree, complex_data):
     f, g = rng.standard_normal((600, 3)), rng.standard_normal((p.shape[1], 3))
     if complex_data:
         f = f + 1j * rng.standard_normal((600, 3))
-    near, far = (pairs.system(p, 1e-3) for pairs in both(SITES, NEAR))
+    near, far = (pairs.system(p, np.full(len(p), 1e-3)) for pairs in both(SITES, NEAR))
     assert isinstance(near, SparseSaddlePoint)
     assert type(far) is SaddlePoint
     for right in (None, g):
@@ -81,7 +81,7 @@ def test_the_estimated_size_of_the_factor_is_an_upper_bound(n, d):
     """The estimate is at most twenty times the true number of entries."""
     sites = halton(n, d)
     pairs = NearPairs(sites, wendland(3, 1, 1.7 * n ** (-1 / d)))
-    system = pairs.system(np.zeros((n, 0)), 0.0)
+    system = pairs.system(np.zeros((n, 0)), np.zeros(n))
     estimated = entries_of_factor(pairs.pairs, n, d)
     assert system._lu.nnz < estimated < 20 * system._lu.nnz
 
@@ -93,7 +93,7 @@ def test_a_factor_that_exceeds_memory_is_refused():
     with pytest.raises(
         MemoryError, match=r"a sparse factor of \d+ GiB, and this machine or container"
     ):
-        pairs.system(np.zeros((3000, 0)), 0.0)
+        pairs.system(np.zeros((3000, 0)), np.zeros(3000))
 
 
 def test_field_and_adjoint_work_where_dense_weights_are_refused():

@@ -4,10 +4,13 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from numpy.polynomial import Chebyshev
 
 from cases import CASES, Case, case
+from fieldrecon.datasets.synthetic import halton
 from fieldrecon.methods.least_squares import LeastSquares, normal_equations
 from fieldrecon.polynomials import dimension, monomials
+from fieldrecon.selection.leaving_one_out import leave_one_out
 from laws import assert_close, refused
 
 EXACT = 1e-10
@@ -139,6 +142,73 @@ def test_a_high_degree_in_one_variable_is_accurate():
 
 
 # --- refusals -------------------------------------------------------------------------------------
+
+
+def high_degrees():
+    """Points and degrees at which the monomials are dependent up to rounding."""
+    line = np.linspace(-1, 1, 200)[:, None]
+    disc = 2 * halton(700, 2) - 1
+    disc = disc[np.linalg.norm(disc, axis=1) < 1]
+    ribbon = disc @ [[1.0, 1.0], [1e-3, -1e-3]]
+    return [(line, 40), (disc, 16), (ribbon + 100, 8), (2 * halton(300, 3) - 1, 7)]
+
+
+def test_high_degrees_are_no_trouble():
+    """T_k of the degree is reproduced with its slope, T_k of the next is not; nothing is lost."""
+    for points, degree in high_degrees():
+        m, x = LeastSquares(points, degree), points[::7]
+        local = (points[:, 0] - points[:, 0].mean()) / np.abs(np.ptp(points[:, 0]))
+        here, slope = Chebyshev.basis(degree), Chebyshev.basis(degree).deriv()
+        s = m.field(here(2 * local))
+        assert_close(s(x), here(2 * local[::7]), 1e-9)
+        expected = np.zeros_like(x)
+        expected[:, 0] = slope(2 * local[::7]) * 2 / np.ptp(points[:, 0])
+        assert_close(s.gradient(x) / degree**2, expected / degree**2, 1e-7)
+        beyond = Chebyshev.basis(degree + 1)(2 * local)
+        assert np.abs(m.field(beyond)(points) - beyond).max() > 0.01
+        assert_close(m.leverages().sum(), dimension(points.shape[1], degree), 1e-9)
+
+
+def test_a_high_degree_agrees_with_chebyshev_polynomials():
+    """Rough data, by NumPy's least squares in the Chebyshev basis; and each datum left out."""
+    points, degree = high_degrees()[0]
+    f = np.random.default_rng(3).standard_normal(len(points))
+    m, x = LeastSquares(points, degree), np.linspace(-1, 1, 333)
+    assert_close(m.field(f)(x[:, None]), Chebyshev.fit(points[:, 0], f, degree)(x), 1e-9)
+    residuals = leave_one_out(m, f)
+    for i in (0, 1, 99):
+        others = np.arange(200) != i
+        without = Chebyshev.fit(points[others, 0], f[others], degree, domain=[-1, 1])
+        assert_close(residuals[i] / (f[i] - without(points[i, 0])), 1.0, 1e-6)
+
+
+def test_coefficients_that_cancel_are_refused():
+    """At degree 15 they are right, at 40 no digit of the field would be."""
+    points, degree = high_degrees()[0]
+    f = Chebyshev.basis(degree)(points[:, 0])
+    m = LeastSquares(points, 15)
+    assert_close(monomials(points, 15) @ m.coefficients(f), m.field(f)(points), 1e-9)
+    with refused("degree 40 are so large that they cancel: .* field", np.linalg.LinAlgError):
+        LeastSquares(points, degree).coefficients(f)
+
+
+def test_the_rank_is_that_of_the_geometry():
+    """Of exact curves, by the dimension of the polynomials on them: Hilbert's function."""
+    t = np.arange(60.0)
+    circle = np.column_stack([np.cos(t), np.sin(t)])
+    for points, ranks in (
+        (circle, (3, 5, 7, 9, 11)),
+        (circle * [1.0, 1e-6] + 1e3, (3, 5)),
+        (np.column_stack([t, t % 2]), (3, 5, 7, 9, 11)),
+        (np.column_stack([t, t % 3]), (3, 6, 9, 12, 15)),
+        (np.outer(t, [1.0, 2.0]) + 1e6, (2, 3, 4, 5, 6)),
+    ):
+        for degree, rank in enumerate(ranks, 1):
+            if rank == dimension(2, degree):
+                LeastSquares(points, degree)
+                continue
+            with refused(rf"degree {degree} in 2 variables: rank {rank} of", np.linalg.LinAlgError):
+                LeastSquares(points, degree)
 
 
 @pytest.mark.parametrize("bad", [-1, 1.0, True, "1", None])

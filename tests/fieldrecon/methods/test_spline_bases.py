@@ -16,6 +16,7 @@ from laws import assert_close
 
 KNOTS = np.array([0.0, 0.7, 1.0, 2.5, 3.0, 3.2, 4.0, 5.5])
 DOUBLED = np.array([0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 3.0, 4.0, 4.0, 4.0])
+CLAMPED = np.array([0.0] * 5 + [0.7, 1.0, 2.5, 2.5, 3.2] + [4.0] * 5)
 X = np.concatenate([np.linspace(-0.5, 6.0, 131), KNOTS])
 
 
@@ -32,6 +33,7 @@ def test_all_three_definitions_agree_on_integer_knots(degree):
     """Convolution powers of the indicator function of [0, 1) are B-splines of knots 0 to k + 1."""
     knots = np.arange(degree + 2.0)
     x = np.linspace(-1.0, degree + 2.0, 97)
+    x = x[x != degree + 1]  # among all integers it is not the last knot
     convolved = cardinal_b_spline(degree, x)
     assert_close(b_splines(knots, degree, x)[:, 0], convolved, 1e-13)
     assert_close(b_splines_by_divided_differences(knots, degree, x)[:, 0], convolved, 1e-10)
@@ -40,13 +42,14 @@ def test_all_three_definitions_agree_on_integer_knots(degree):
 @pytest.mark.parametrize("knots", [KNOTS, DOUBLED], ids=["simple", "multiple"])
 @pytest.mark.parametrize("degree", range(1, 5))
 def test_b_splines_equal_those_of_scipy(knots, degree):
-    """The reference is BSpline.basis_element for each window of knots."""
-    ours = b_splines(knots, degree, X)
+    """BSpline.basis_element on each window of knots; the last knot is in a test of its own."""
+    x = X[knots[-1] != X]
+    ours = b_splines(knots, degree, x)
     for i in range(len(knots) - degree - 1):
         window = knots[i : i + degree + 2]
         if window[0] < window[-1]:
-            inside = (window[0] <= X) & (window[-1] > X)
-            theirs = BSpline.basis_element(window, extrapolate=False)(X[inside])
+            inside = (window[0] <= x) & (window[-1] > x)
+            theirs = BSpline.basis_element(window, extrapolate=False)(x[inside])
             assert_close(ours[inside, i], theirs, 1e-13)
             assert (ours[~inside, i] == 0).all()
 
@@ -59,6 +62,18 @@ def test_b_splines_are_a_partition_of_unity(degree):
     full = (KNOTS[degree] <= X) & (KNOTS[len(KNOTS) - degree - 1] > X)
     assert full.sum() > 0
     assert_close(b[full].sum(axis=1), np.ones(full.sum()), 1e-14)
+
+
+@pytest.mark.parametrize("degree", range(5))
+def test_the_last_interval_is_closed(degree):
+    """As SciPy's: on clamped knots the sum is one at both ends, and the last spline one."""
+    knots = CLAMPED[4 - degree : len(CLAMPED) - 4 + degree]
+    x = np.linspace(0.0, 4.0, 81)
+    theirs = BSpline.design_matrix(x, knots, degree).toarray()
+    for made in (b_splines, b_splines_by_divided_differences):
+        assert_close(made(knots, degree, x), theirs, 1e-10)
+    assert b_splines(knots, degree, 4.0)[-1] == 1.0
+    assert (b_splines(knots, degree, np.nextafter(4.0, 5.0)) == 0).all()
 
 
 def test_cardinal_b_splines_are_integrals():

@@ -273,6 +273,22 @@ def test_npz_archives_are_tables(tmp_path):
     )
 
 
+def test_masked_rows_are_skipped_and_counted(tmp_path):
+    """NumPy saves masked arrays without their masks; beside them, a mask is heeded."""
+    values = np.ma.masked_greater([2.0, 5.0, 1e20, np.nan, 3.0], 1e19)
+    arrays = {"x": [0, 3, 1, 1, 2], "y": [1, 4, 5, 5, 6], "value": values}
+    samples = read_samples(write_npz(tmp_path / "a.npz", **arrays, mask=values.mask))
+    assert samples.values.tolist() == [2, 5, 3]
+    assert samples.points.tolist() == [[0, 1], [3, 4], [2, 6]]
+    assert samples.warnings[0] == (
+        "2 rows skipped, by line: 3: the row is masked; 4: value must be a finite number; got nan."
+    )
+    with pytest.raises(ValueError, match="line 3: the row is masked"):
+        read_samples(tmp_path / "a.npz", strict=True)
+    with pytest.raises(ValueError, match="mask must have one truth value for each of 5 rows"):
+        read_samples(write_npz(tmp_path / "a.npz", **arrays, mask=[True]))
+
+
 @pytest.mark.parametrize(
     ("arrays", "words"),
     [

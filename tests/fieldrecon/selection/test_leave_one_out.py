@@ -2,13 +2,17 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 import high_precision
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
-from fieldrecon.kernels.positive_definite import gaussian, wendland
+from fieldrecon.kernels.positive_definite import gaussian, matern, wendland
 from fieldrecon.kernels.weights import inverse_square
+from fieldrecon.methods.functionals import derivatives_at, laplacians_at, values_at
+from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
+from fieldrecon.methods.natural_splines import NaturalCubicSpline
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.reconstruction import Reconstruction
 from fieldrecon.selection.leaving_one_out import leave_one_out
@@ -103,6 +107,58 @@ def test_leave_one_out_selects_a_good_epsilon():
     psi = [m.objective(f, x).mean() for m in methods]
     assert true[int(np.argmin(left_out))] < 1.3 * min(true)
     assert true[int(np.argmin(psi))] > 1.5 * min(true)
+
+
+# --- splines and data of other kinds --------------------------------------------------------------
+
+
+@pytest.mark.parametrize("n", [3, 4, 5, 60])
+def test_residuals_of_splines(n):
+    """By a spline without each site, in any order and unit, and by SciPy's; in O(n)."""
+    x = np.random.default_rng(n).random(n) ** 3 * 1e150
+    f = np.stack([np.sin(1e-149 * x), 1j * x / 1e150], axis=1)
+    residuals = leave_one_out(NaturalCubicSpline(x), f)
+    for i in range(0, n, 7):
+        others = np.arange(n) != i
+        refit = NaturalCubicSpline(x[others]).field(f[others])
+        assert_close(residuals[i], f[i] - refit(x[i]), 1e-9)
+    order = np.argsort(x)
+    middle = order[n // 2]
+    others = order[order != middle]
+    if n > 3:
+        spline = CubicSpline(x[others] / 1e150, f[others, 0].real, bc_type="natural")
+        assert_close(residuals[middle, 0].real, f[middle, 0].real - spline(x[middle] / 1e150), 1e-9)
+
+
+def test_two_sites_of_a_spline_are_indispensable():
+    """One site does not determine a line."""
+    with refused(r"without point 0, \(1\), the others do not", np.linalg.LinAlgError):
+        leave_one_out(NaturalCubicSpline([1.0, 2.0]), [0.0, 1.0])
+
+
+def test_residuals_of_data_of_any_kind():
+    """Values, derivatives and Laplacians, in a unit of 1e-3: each by a fit to all the others."""
+    points = POINTS * 1e-3
+    kinds = [
+        values_at(points[:8]),
+        derivatives_at(points[4:12], [1.0, 2.0]),
+        laplacians_at(points[8:]),
+    ]
+    data = np.random.default_rng(2).standard_normal(24) * np.repeat([1.0, 1e3, 1e6], 8)
+    method = HermiteRBF(kinds, matern(5.5, 1e-4))
+    residuals = leave_one_out(method, data)
+    for i in range(0, 24, 5):
+        others = np.arange(24) != i
+        refit = HermiteRBF(method.functionals[others], method.kernel).field(data[others])
+        expected = data[i] - refit.apply(method.functionals[i : i + 1])[0]
+        assert_close(residuals[i] / expected, 1.0, 1e-7)
+    slopes = HermiteRBF(
+        [values_at([[0.0]]), derivatives_at([[0.0], [1.0]], [1.0])], polyharmonic(3)
+    )
+    with refused(
+        r"without point 0, \(0\), the others do not .* rank 1 of 2", np.linalg.LinAlgError
+    ):
+        leave_one_out(slopes, np.ones(3))
 
 
 # --- refusals -------------------------------------------------------------------------------------

@@ -67,6 +67,25 @@ def test_a_shell_thinner_than_the_step_is_missed():
     assert np.isfinite(fr.solids.ray_intersections(shell, *ray, 0.0005))
 
 
+def test_rays_of_any_direction_and_functions_without_values():
+    """Distances are lengths, however long the direction is; a value that is not finite is named."""
+    ball, origins = Ball(1.0), [[0.0, 0, 3], [0, 0.6, 3], [0, 2, 3]]
+    for size in (1.0, 2.0, 1e-200, 1e200):
+        found = fr.solids.ray_intersections(ball, origins, [0, 0, -size], 6.0, 0.1)
+        np.testing.assert_allclose(found, [2, 2.2, np.inf], rtol=1e-14)
+    assert fr.solids.ray_intersections(ball, np.zeros((0, 3)), [0, 0, -1], 6.0, 0.1).shape == (0,)
+    with pytest.raises(ValueError, match="direction must be one vector of 3 coordinates, not all"):
+        fr.solids.ray_intersections(ball, origins, [0, 0, 0], 6.0, 0.1)
+    with pytest.raises(ValueError, match=r"lengths must be one number, or 3, one for each ray"):
+        fr.solids.ray_intersections(ball, origins, [0, 0, -1], [6.0, 6.0], 0.1)
+    with pytest.raises(ValueError, match=r"finite on the rays; at \(0, 0, 1.4.*\) it is nan"):
+        fr.solids.ray_intersections(
+            lambda x: np.where(x[:, 2] < 1.45, np.nan, -1.0), origins, [0, 0, -1], 6.0, 0.1
+        )
+    with pytest.raises(ValueError, match=r"one value at each of 3 points; got the shape \(3, 1\)"):
+        fr.solids.ray_intersections(lambda x: -x[:, :1] - 1, origins, [0, 0, -1], 6.0, 0.1)
+
+
 def test_the_picture_of_a_ball_has_its_area_and_its_highlight():
     """The ball is a disc of its radius.
 

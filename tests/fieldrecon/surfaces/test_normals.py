@@ -200,6 +200,78 @@ def test_orientation_changes_signs_only():
     assert (given == before).all()
 
 
+# --- curves in the plane --------------------------------------------------------------------------
+
+
+def ellipse(n, width=1.0, open_at=0.0):
+    """Points of an ellipse of the height 1, less a part of its parameter; outward normals."""
+    t = open_at / 2 + (2 * np.pi - open_at) * (np.arange(n) + 0.3) / n
+    normals = np.column_stack([np.cos(t), width * np.sin(t)])
+    points = np.column_stack([width * np.cos(t), np.sin(t)])
+    return points, normals / np.linalg.norm(normals, axis=1)[:, None]
+
+
+def test_normals_of_a_curve_are_of_second_order():
+    """Neighbours on both sides balance: the largest angle falls with the square of the spacing."""
+    angles = []
+    for n in (100, 400):
+        x, true = ellipse(n, 2.0)
+        estimate = estimate_normals(x)
+        cross = np.abs(estimate.vectors[:, 0] * true[:, 1] - estimate.vectors[:, 1] * true[:, 0])
+        angles.append(cross.max())
+        assert estimate.planar.all()
+    assert np.log(angles[0] / angles[1]) / np.log(4) == pytest.approx(2, abs=0.3)
+    line = np.linspace(0, 1, 20)[:, None] * [3.0, 4.0] + 1e5
+    assert_close(np.abs(estimate_normals(line).vectors @ [0.8, -0.6]), np.ones(20), 1e-9)
+    disc = np.random.default_rng(7).standard_normal((300, 2))
+    assert estimate_normals(disc).planar.mean() < 0.5
+    assert not estimate_normals(np.ones((9, 2))).planar.any()
+
+
+def test_normals_of_closed_curves_point_outward():
+    """Of a circle, an ellipse, both together, one with noise, in any unit and far away."""
+    (a, a_true), (b, b_true) = ellipse(60), ellipse(200, 3.0)
+    noise = 0.2 * 2 * np.pi / 200 * np.random.default_rng(3).standard_normal(b.shape)
+    for x, true in (
+        (a, a_true),
+        (b * 1e-140, b_true),
+        (b * 1e140, b_true),
+        (b + 1e6, b_true),
+        (b + noise, b_true),
+        (np.vstack([a, b + np.array([9.0, 0.0])]), np.vstack([a_true, b_true])),
+    ):
+        assert correctly_oriented(x, true) == 1.0
+
+
+def test_normals_of_an_open_curve_agree():
+    """On one side all along, that of the largest component of their sum."""
+    x, true = ellipse(100, 2.0, open_at=4.0)
+    along = np.einsum("nd,nd->n", orient_normals(x, shuffled_signs(true)), true)
+    assert np.abs(along.sum()) == pytest.approx(100)
+    straight = np.linspace(0, 1, 30)[:, None] * [1.0, 0.1]
+    oriented = orient_normals(straight, shuffled_signs(estimate_normals(straight).vectors))
+    assert (oriented[:, 1] > 0.9).all()
+
+
+def test_deviations_are_those_along_the_principal_axes():
+    """Singular values of the centred neighbours, over the root of their number; in any unit."""
+    for x, unit in ((np.random.default_rng(6).random((9, 3)), 1e150), (ellipse(30)[0], 1e-150)):
+        estimate = estimate_normals(x * unit)
+        near = x[estimate.neighbors[0]]
+        sigma = np.linalg.svd(near - near.mean(axis=0), compute_uv=False) / np.sqrt(len(near))
+        assert_close(estimate.deviations[0] / unit, sigma, 1e-12)
+        smallest, next_smallest = (estimate.deviations[:, -1:-3:-1] / unit).T ** 2
+        assert_close(estimate.planarity, 1 - smallest / next_smallest, 1e-9)
+
+
+def test_neighbours_may_be_lists():
+    """As indices in an array, or found."""
+    x, true = ellipse(40)
+    given, index = shuffled_signs(true), nearest(x, 5)
+    assert (orient_normals(x, given, index.tolist()) == orient_normals(x, given, index)).all()
+    assert (orient_normals(x, given, index) == orient_normals(x, given)).all()
+
+
 # --- mutants --------------------------------------------------------------------------------------
 
 
@@ -260,7 +332,9 @@ def test_without_majority_votes_noise_inverts_more_normals(monkeypatch):
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: estimate_normals(np.zeros((5, 2))), r"shape \(n, 3\), n at least 3; got \(5, 2\)"),
+        (lambda: estimate_normals(np.zeros((5, 4))), r"\(n, 3\), n at least 3; got \(5, 4\)"),
+        (lambda: estimate_normals(np.zeros((5, 1))), r"shape \(n, 2\) or .*; got \(5, 1\)"),
+        (lambda: orient_normals(np.eye(3), np.eye(3), [[0, 1], [1], [2]]), "rows differ in length"),
         (lambda: estimate_normals(np.zeros((2, 3))), r"n at least 3; got \(2, 3\)"),
         (lambda: estimate_normals([[0, 0, np.nan]] * 4), r"points must be finite; points\[0, 2\]"),
         (lambda: estimate_normals(np.eye(3), 2), "neighbors must be an integer"),

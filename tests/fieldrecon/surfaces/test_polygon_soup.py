@@ -154,6 +154,19 @@ def test_the_field_does_not_depend_on_origin_axes_and_unit():
     np.testing.assert_allclose(transformed(8 * x @ rotation.T + 1e6), 8 * soup(x), atol=1e-6)
 
 
+@pytest.mark.parametrize("unit", [1e-170, 1e-50, 1e60, 1e170])
+def test_results_do_not_depend_on_the_unit(unit):
+    """Also beside the line of an edge without smoothing, where powers would be out of range."""
+    square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]), [[0, 1], [1, 2], [2, 3], [3, 0]]
+    x = np.array([[1.000366, -0.15298], [0.5, 0.4], [1.0, 0.3]])
+    for points, polygons, y in ((*square, x), (*torus(10, 5), np.column_stack([x, x[:, 0]]))):
+        here = fr.surfaces.PolygonSoup(points, polygons).enclosing()
+        there = fr.surfaces.PolygonSoup(points * unit, polygons).enclosing()
+        np.testing.assert_allclose(there(y * unit) / unit, here(y), rtol=1e-9, atol=1e-12)
+        np.testing.assert_allclose(there.gradient(y * unit), here.gradient(y), rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(there.offsets / unit, here.offsets, atol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("loose", "epsilon", "share"), [(0.0, 0.3, 0.05), (0.1, 0.05, 0.8), (0.1, 0.3, 1.0)]
 )

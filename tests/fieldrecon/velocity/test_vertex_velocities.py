@@ -14,6 +14,8 @@ from fieldrecon.velocity.stencils import WELL_DETERMINED
 from fieldrecon.velocity.vertices import (
     divergence,
     normal_velocities,
+    point_velocities,
+    point_velocity_weights,
     velocity_weights,
     vertex_velocities,
 )
@@ -49,6 +51,77 @@ def amplification(b: np.ndarray, d: int) -> float:
     if np.abs(vt[kept:, :d]).max(initial=0) > 1e-10:
         return np.inf
     return float(np.linalg.norm(vt[:kept, :d].T / s[:kept], axis=1).max())
+
+
+# --- anywhere -------------------------------------------------------------------------------------
+
+
+def somewhere(mesh: SimplexMesh) -> np.ndarray:
+    """Points inside cells, on faces, outside, and the vertices."""
+    size = np.ptp(mesh.points, axis=0)
+    outside = mesh.points.max(axis=0) + 0.1 * size * np.arange(1, 4)[:, None]
+    return np.concatenate(
+        [mesh.cell_centers[::5], mesh.face_centers[::7], outside, mesh.points[::3]]
+    )
+
+
+def velocities_are_those_of_the_fit_about_the_point(reconstruct, mesh: SimplexMesh) -> None:
+    """Affine fields are reproduced and others are not; weights are centred at the point."""
+    x = somewhere(mesh)
+    for seed in range(2):
+        field = affine(mesh, seed)
+        found = reconstruct(mesh, normal_velocities(mesh, field(mesh.points)), x, None)
+        assert_close(found, field(x), EXACT)
+    v = np.random.default_rng(0).normal(size=len(mesh.faces))
+    for weight in (None, inverse_square(0.1), gaussian(0.4)):
+        at_vertices = reconstruct(mesh, v, mesh.points, weight)
+        assert_close(at_vertices, vertex_velocities(mesh, v, weight).values, EXACT)
+    near, quadratic = mesh.cell_centers[:5], (mesh.points**2)
+    curved = reconstruct(mesh, normal_velocities(mesh, quadratic), near, None)
+    assert np.abs(curved - near**2).max() > 1e-4
+    narrow = gaussian(0.2 * np.ptp(mesh.points))
+    d = mesh.points.shape[1]
+    for p, found in zip(near, reconstruct(mesh, v, near, narrow), strict=True):
+        nearest = int(np.argmin(np.linalg.norm(mesh.points - p, axis=1)))
+        rings = int(point_velocities(mesh, v, [p], narrow).rings[0])
+        faces = mesh.faces_around(rings, [nearest]).indices
+        y = mesh.face_centers[faces] - p
+        w = narrow(np.linalg.norm(y, axis=1))
+        n = mesh.face_normals[faces]
+        b = np.concatenate([n, *(y[:, [k]] * n for k in range(d))], axis=1)
+        c = np.linalg.lstsq(w[:, None] / w.max() * b, w / w.max() * v[faces], rcond=1e-13)[0][:d]
+        assert_close(found, c, 1e-6 * max(1.0, np.abs(c).max()))
+
+
+def at_points(mesh, v, x, weight):
+    return point_velocities(mesh, v, x, weight).values
+
+
+def by_weights(mesh, v, x, weight):
+    return np.stack([w @ v for w in point_velocity_weights(mesh, x, weight)], axis=-1)
+
+
+def at_the_nearest_vertex(mesh, v, x, weight):
+    nearest = np.linalg.norm(mesh.points - x[:, None], axis=2).argmin(axis=1)
+    return vertex_velocities(mesh, v, weight, nearest).values
+
+
+def without_weights(mesh, v, x, weight):  # noqa: ARG001
+    return point_velocities(mesh, v, x).values
+
+
+@pytest.mark.parametrize("reconstruct", [at_points, by_weights])
+def test_velocities_anywhere(reconstruct):
+    """Values and weights, in the plane and in space."""
+    for name in ("jittered 2-D", "jittered 3-D"):
+        velocities_are_those_of_the_fit_about_the_point(reconstruct, MESHES[name])
+
+
+@pytest.mark.parametrize("mutant", [at_the_nearest_vertex, without_weights])
+def test_the_law_of_velocities_anywhere_can_fail(mutant):
+    """For the velocity of the nearest vertex, and for weights that are ignored."""
+    with pytest.raises(AssertionError):
+        velocities_are_those_of_the_fit_about_the_point(mutant, MESHES["jittered 2-D"])
 
 
 # --- affine fields ------------------------------------------------------------------------------
@@ -477,6 +550,8 @@ def test_a_weight_whose_support_contains_no_face_is_refused():
         (lambda m: divergence(m, [np.nan] * len(m.faces)), "v must be finite"),
         (lambda m: velocity_weights(m, "near"), "weight must be a radial function"),
         (lambda m: velocity_weights(m, thin_plate_spline()), "fall with the distance"),
+        (lambda m: point_velocity_weights(m, [0.5, 0.5]), r"x must have the shape \(m, 2\)"),
+        (lambda m: point_velocity_weights(m, [[0.5] * 3]), "x must have 2 coordinates per point"),
         (
             lambda m: velocity_weights(m, vertices=[600]),
             "vertices must be indices of points, 0 to 599; got 600",

@@ -62,6 +62,19 @@ def test_a_diverging_iteration_is_stopped():
     assert len(at_rest.residuals) == 1
     with pytest.raises(ValueError, match=r"func\(x\) must be finite"):
         fixed_point(lambda x: x / 0 if np.any(x) else x + np.nan, 0.0)
+    assert not fixed_point(lambda x: x + 1, 0.0, maxiter=5).converged
+
+
+def test_values_keep_their_shape_and_may_be_complex():
+    """z = 2 + (3 + i) z has the solution -2 / (2 + i), which repetition does not find."""
+    found = fixed_point(lambda z: 2 + (3 + 1j) * z, 0.0)
+    assert found.converged
+    assert_close(found.value, np.array(-2 / (2 + 1j)), 1e-12)
+    for start, value, shape in ((1.0, np.ones(2), r"\(2,\)"), (np.ones(2), 1.0, r"\(\)")):
+        with pytest.raises(
+            ValueError, match=rf"func\(x\) must have the shape .* of x; got {shape}"
+        ):
+            fixed_point(lambda _, value=value: value, start)
 
 
 # --- the coupled problem --------------------------------------------------------------------------
@@ -182,10 +195,16 @@ def test_the_standard_atmosphere_agrees_with_the_published_table():
 
 
 def test_the_atmosphere_is_in_hydrostatic_equilibrium():
-    """dp/dh = -ρ g, in both layers."""
-    for height in (3e3, 15e3):
-        p = [standard_atmosphere(height + k).pressure for k in (-1, 1)]
-        assert_close((p[1] - p[0]) / 2 / -9.80665, standard_atmosphere(height).density, 1e-6)
+    """dp/dh = -ρ g, in both layers, at many heights at once as at each alone."""
+    height = np.array([[3e3, 15e3], [11e3 - 2, 11e3 + 2]])
+    air = standard_atmosphere(height)
+    p = [standard_atmosphere(height + k).pressure for k in (-1, 1)]
+    assert_close((p[1] - p[0]) / 2 / -9.80665, air.density, 1e-6)
+    alone = standard_atmosphere(3e3)
+    for name in ("temperature", "pressure", "density", "sound_speed"):
+        assert getattr(air, name).shape == (2, 2)
+        assert_close(getattr(air, name)[0, 0], getattr(alone, name), 0.0)
+    assert_close(air.dynamic_pressure(0.5)[0, 0], alone.dynamic_pressure(0.5), 0.0)
 
 
 def test_the_dynamic_pressure_agrees_with_the_speed():
@@ -197,6 +216,8 @@ def test_the_dynamic_pressure_agrees_with_the_speed():
 
 def test_heights_outside_the_table_are_refused():
     """Such heights are below sea level or above the tabulated layers."""
-    for height in (-1.0, 20_001.0, np.nan):
+    for height in (-1.0, 20_001.0, [1e3, -1.0]):
         with pytest.raises(ValueError, match="height must lie between 0 and 20000 m"):
             standard_atmosphere(height)
+    with pytest.raises(ValueError, match="height must be finite"):
+        standard_atmosphere(np.nan)

@@ -12,6 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from fieldrecon._numerics.saddle_point import balancing
 from fieldrecon.methods.solvability import within_range
 from fieldrecon.polynomials import EPS
 
@@ -30,7 +31,17 @@ def solved(matrix: np.ndarray, right: np.ndarray, k: int) -> np.ndarray:
 
     A further right-hand side of size one shows which systems are singular to rounding. They are
     solved by eigenvectors, without the small eigenvalues, which would only amplify rounding.
+    Before, the rows and columns of an uneven diagonal are multiplied by the factors of `balancing`.
     """
+    diagonal = matrix[:, range(k), range(k)]
+    if np.ptp(diagonal, axis=1).any():  # as for data with smoothing of their own
+        factors = np.ones((*matrix.shape[:2], 1))
+        factors[:, :k, 0] = balancing(diagonal, matrix[:, 1:k, 0])
+        return factors * _solved(factors * matrix * factors.mT, factors * right, k)
+    return _solved(matrix, right, k)
+
+
+def _solved(matrix: np.ndarray, right: np.ndarray, k: int) -> np.ndarray:
     size = np.sqrt(np.einsum("pij,pij->p", matrix, matrix))
     within_range(size, "values of the kernel in a patch")
     probe = np.cos(np.arange(matrix.shape[1]))[None, :, None]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import repeat
 from typing import NamedTuple
 
@@ -113,7 +113,8 @@ def levels_of(
             if alone
             else Patches.of(own, tree, boxes, own_k, covering, reaching)
         )
-        yield Level(sites, patches, *systems_of(own, tree, patches, problem, next(steps)))
+        here = replace(problem, smoothing=problem.smoothing[sites])
+        yield Level(sites, patches, *systems_of(own, tree, patches, here, next(steps)))
         steps = repeat(None)
         if alone:
             if progress is not None:

@@ -32,6 +32,7 @@ from fieldrecon.methods.solvability import (
     as_augmentation,
     as_finite,
     as_kernel,
+    as_smoothing,
     refuse_duplicates,
     unit_smoothing,
 )
@@ -66,8 +67,9 @@ class PartitionOfUnityRBF(Reconstruction):
         three variables, 2 in up to five, and 1 beyond, unless the kernel needs more.
     patch_size : int, optional
         Sites of each patch; by default four times the number of polynomials, at least 12 d.
-    smoothing : float
-        Added to the diagonal, as in `RBF`. In units of the kernel.
+    smoothing : float or (n,) array_like
+        Added to the diagonal, all of it or datum by datum, as in `RBF`: the variance of each datum
+        in units of the kernel.
     progress : callable, optional
         Called as progress(done, total) with numbers of sites, while the patches are set up.
 
@@ -132,13 +134,15 @@ class PartitionOfUnityRBF(Reconstruction):
     True
     """
 
+    _each_site = ("smoothing",)
+
     def __init__(
         self,
         points: ArrayLike,
         kernel: Radial | None = None,
         degree: int | None = None,
         patch_size: int | None = None,
-        smoothing: float = 0.0,
+        smoothing: ArrayLike = 0.0,
         *,
         progress: Progress | None = None,
     ) -> None:
@@ -149,16 +153,15 @@ class PartitionOfUnityRBF(Reconstruction):
             degree = max(usual_degree(d), self.kernel.order - 1)
         degree = as_augmentation(degree, self.kernel)
         self.patch_size = _as_patch_size(patch_size, d, degree)
-        self.smoothing = valid.as_length(smoothing, "smoothing", zero_allowed=True)
-        self.interpolates = self.smoothing == 0
-        if self.interpolates:
-            refuse_duplicates(self.points)
+        self.smoothing = as_smoothing(smoothing, len(self.points))
+        self.interpolates = not np.any(self.smoothing)
+        refuse_duplicates(self.points, smoothing=self.smoothing)
         self._frame = Frame.around(self.points)
         unit_kernel = as_finite(self.kernel.in_units(self._frame.scale))
         problem = Problem(
             unit_kernel,
             degree,
-            unit_smoothing(self.smoothing, self.kernel, self._frame.scale),
+            unit_smoothing(self.smoothing, len(self.points), self.kernel, self._frame.scale),
             EPS * float(np.abs(self.points / self._frame.scale).max()),
         )
         local = self._frame.local(self.points)

@@ -1,7 +1,7 @@
 """The interpolation problems of many patches at once, each in its own frame.
 
-    [ A + smoothing I   P ] [lambda]   [f]
-    [ P^T               0 ] [  c   ] = [0]
+    [ A + diag(smoothing)   P ] [lambda]   [f]
+    [ P^T                   0 ] [  c   ] = [0]
 
 In its frame, the sites of a patch lie within distance one of its centre. If they do not determine
 its polynomials, or barely do, P is an orthonormal basis of those that they determine: of each
@@ -48,15 +48,15 @@ class Problem:
         Kernel.
     degree : int
         Degree of the polynomials.
-    smoothing : float
-        Added to the diagonal.
+    smoothing : (n,) ndarray
+        Added to the diagonal: that of each site.
     rounding : float
         Rounding of the coordinates of the sites.
     """
 
     kernel: Radial
     degree: int
-    smoothing: float
+    smoothing: np.ndarray
     rounding: float
 
 
@@ -124,7 +124,7 @@ class PatchSystems:
         matrix = np.zeros((len(patch), k + q, k + q))
         y = self._coordinates[:, patch]
         matrix[:, :k, :k] = self._kernel(patch, (a[..., None] - a[:, None] for a in y))
-        matrix[:, range(k), range(k)] += self._smoothing(patch)[:, None]
+        matrix[:, range(k), range(k)] += self._smoothing(patch)
         basis = monomials(self.frames(patch), self.degree)
         for i, own in self._bases_among(patch):
             basis[i] = basis[i] @ own
@@ -290,10 +290,9 @@ class PatchSystems:
         return np.ascontiguousarray(np.moveaxis(local, 2, 0))
 
     def _smoothing(self, patch: np.ndarray) -> np.ndarray:
-        return (
-            self.problem.smoothing
-            * (self._unit(patch) / self.radius[patch]) ** self.problem.kernel.homogeneity
-        )
+        """Smoothing (p, k) of the sites of patches (p,), in the unit of their kernel."""
+        unit = (self._unit(patch) / self.radius[patch]) ** self.problem.kernel.homogeneity
+        return self.problem.smoothing[self.sites[patch]] * unit[:, None]
 
     def _unit(self, patch: np.ndarray) -> np.ndarray:
         """Unit of length of the kernel in each patch."""

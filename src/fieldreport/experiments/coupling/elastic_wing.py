@@ -123,7 +123,7 @@ class Params(Parameters):
     @property
     def pressure(self) -> float:
         """Dynamic pressure of the flight, Pa."""
-        return standard_atmosphere(self.height).dynamic_pressure(self.mach)
+        return float(standard_atmosphere(self.height).dynamic_pressure(self.mach))
 
 
 QUICK = Params(pieces=(4, 12), panels=(3, 6), sweeps=(30.0, -20.0), pressures=(0.5, 1.0))
@@ -211,7 +211,10 @@ def flight(params: Params) -> tuple[dict[str, Cell], dict[str, np.ndarray], tupl
         "profile": np.array([profile_at(params, p) for p in (before, after)]),
     } | {name: t.residuals / t.residuals[0] for name, t in turns.items()}
     facts = _flight_facts(params, wing, stiff, bent)
-    facts |= {f"{name}_turns": len(t.residuals) - 1 for name, t in turns.items()}
+    facts |= {
+        f"{name}_turns": len(t.residuals) - 1 if t.converged else "none"
+        for name, t in turns.items()
+    }
     facts |= {
         "contraction": wing.contraction(q),
         "observed_contraction": float(middle[1] / middle[0]),
@@ -262,9 +265,9 @@ def _flight_facts(
         "unknowns": wing.plate.stiffness.shape[0],
         "panels": lattice.spans.size,
         "corners": len(lattice.points),
-        "temperature": air.temperature,
-        "density": air.density,
-        "speed": params.mach * air.sound_speed,
+        "temperature": float(air.temperature),
+        "density": float(air.density),
+        "speed": float(params.mach * air.sound_speed),
         "pressure_kpa": params.pressure / 1000,
         "stiff_lift": lifts[0],
         "elastic_lift": lifts[1],
@@ -281,11 +284,12 @@ def _divergence(params: Params, kilopascals: Cell) -> dict[str, Cell]:
         return facts
 
     def excess(height: float) -> float:
-        return standard_atmosphere(height).dynamic_pressure(params.mach) / 1000 - kilopascals
+        air = standard_atmosphere(height)
+        return float(air.dynamic_pressure(params.mach) / 1000 - kilopascals)
 
     if excess(TOP) < 0 < excess(0.0):
         height = float(brentq(excess, 0.0, TOP))
-        speed = params.mach * standard_atmosphere(height).sound_speed
+        speed = float(params.mach * standard_atmosphere(height).sound_speed)
         facts |= {"divergence_height": height / 1000, "divergence_speed": speed}
     return facts
 

@@ -193,6 +193,7 @@ def plot(result: Result) -> Figure:
 
 def _frame(panel: Axes, path: np.ndarray, points: np.ndarray, t: float) -> None:
     (a, b), c = points[1] - points[0], points[2] - points[0]
+    reach = np.abs(path[..., 1]).max() + 0.25
     area = a * c[1] - b * c[0]
     tint = METHOD_COLORS["MLS" if area > 0 else "LS"]
     for way in path.transpose(1, 0, 2):
@@ -210,7 +211,12 @@ def _frame(panel: Axes, path: np.ndarray, points: np.ndarray, t: float) -> None:
             ha="center",
             va="center",
         )
-    panel.set(title=f"$t = {t:.2f}$", xlim=(-1.3, 1.3), ylim=(-0.85, 1.1), aspect="equal")
+    panel.set(
+        title=f"$t = {t:.2f}$",
+        xlim=(-1.3, 1.3),
+        ylim=(-max(0.85, reach), max(1.1, reach)),
+        aspect="equal",
+    )
     panel.set(xticks=[], yticks=[])
     panel.grid(False)
     panel.spines[:].set_visible(False)

@@ -51,7 +51,7 @@ class Params(Parameters):
 
     samples: int = parameter(12, "samples (p, n) in the plane; twice as many in space", least=7)
     smallest: float = parameter(
-        1e-6, "smallest t, the angle in radians by which normals rotate", least=1e-9, most=0.01
+        1e-6, "smallest t, the angle in radians by which normals rotate", least=1e-7, most=0.01
     )
     largest: float = parameter(1.0, "largest t", most=1)
     steps: int = parameter(13, "values of t, in geometric progression", least=3)
