@@ -216,11 +216,22 @@ CASES = {
 }
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", CASES)
-def test_no_answer_depends_on_the_unit(name):
-    """Whatever is solved: as for lengths of order one."""
+def answers_do_not_depend_on_the_unit(name):
+    """As for lengths of order one."""
     here = CASES[name](1.0)
     for unit in UNITS:
         for a, b in zip(CASES[name](unit), here, strict=True):
             assert_close(a, b, 1e-6 * max(1.0, np.abs(b).max()))
+
+
+def test_saddle_point_systems_are_scaled():
+    """The projection and the plate, in the fast suite."""
+    for name in ("projection in 2-D", "plate"):
+        answers_do_not_depend_on_the_unit(name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CASES)
+def test_no_answer_depends_on_the_unit(name):
+    """Whatever is solved."""
+    answers_do_not_depend_on_the_unit(name)

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from checkout import ROOT
 from fieldreport import experiments
 from fieldreport.framework.error_measures import order
 from fieldreport.framework.experiment import ExperimentError
@@ -225,6 +226,13 @@ def test_an_order_needs_two_sizes_and_positive_errors():
     for errors in ([0.0, 1.0], [1e-14, 1.0], [-1.0, 1.0], [math.nan, 1.0], [math.inf, 1.0]):
         with pytest.raises(ValueError, match="order of convergence needs errors above 1e-13; got"):
             order([1, 2], errors)
+
+
+def test_one_function_computes_orders():
+    """No experiment fits a slope of its own, unguarded."""
+    sources = (ROOT / "src" / "fieldreport").rglob("*.py")
+    fitting = [path.name for path in sources if "polyfit" in path.read_text(encoding="utf-8")]
+    assert fitting == ["error_measures.py"]
 
 
 def test_an_error_in_a_run_names_the_experiment_and_its_changed_parameters():

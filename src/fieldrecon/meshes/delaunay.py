@@ -21,7 +21,7 @@ from fieldrecon.meshes.exact_delaunay import exact_delaunay_cells
 _TIE = 1e-5
 """Perturbation that breaks ties, in squares of the distance to the nearest point."""
 
-_VIOLATION = 1e-6
+_VIOLATION = 1e-3
 """Relative violation of the empty sphere that rounding of points of one scale does not reach."""
 
 _CRACK = 1e-7
@@ -103,21 +103,24 @@ def _in_local_frame(points: np.ndarray) -> np.ndarray:
 
 
 def _cells_without_flat_ones(points: np.ndarray, local: np.ndarray) -> np.ndarray:
+    """Cells by Qhull without the flat ones at the hull; none if its rounding made them wrong."""
     triangulation = Delaunay(local)
     cells, neighbors = triangulation.simplices, triangulation.neighbors
     if (cells >= len(points)).any():  # Qhull's point at infinity
         return cells[:0]
     flat = _flat_within_rounding(points, cells)
-    if _violations(local, cells, neighbors, ~flat).max(initial=0.0) > _VIOLATION:
+    if flat.any() and points.shape[1] == 3:  # in the plane, ties make no flat cells
+        cells, neighbors = _tie_broken(local)
+        flat = _flat_within_rounding(points, cells)
+    elif _violations(local, cells, neighbors, ~flat).max(initial=0.0) > _VIOLATION:
         return cells[:0]
     if not flat.any():
         return cells
-    if points.shape[1] == 3:  # in the plane, ties make no flat cells
-        cells, neighbors = _tie_broken(local)
-        flat = _flat_within_rounding(points, cells)
     outer = _outer(neighbors, flat)
     _refuse_cracks(local, cells, ~outer & ((neighbors < 0) | outer[neighbors]).T)
-    return cells[~outer]
+    cells = cells[~outer]
+    uncertain = simplices.signed_volumes(points.take(cells, axis=0))[2].any()
+    return cells[:0] if uncertain else cells
 
 
 def _violations(

@@ -67,7 +67,10 @@ CALLS: dict[str, Call] = {
     "Field.gradient": (FITTED.field(VALUES).gradient, {"x": PLANE}),
     "Field.hessian": (FITTED.field(VALUES).hessian, {"x": PLANE}),
     "Field.laplacian": (FITTED.field(VALUES).laplacian, {"x": PLANE}),
-    "RBF": (partial(fr.RBF, kernel=polyharmonic(3)), {"points": PLANE}),
+    "RBF": (
+        partial(fr.RBF, kernel=polyharmonic(3)),
+        {"points": PLANE, "smoothing": np.ones(N)},
+    ),
     "RBF.coefficients": (SMOOTH.coefficients, {"values": VALUES}),
     "HermiteRBF.field": (
         fr.HermiteRBF(fr.methods.values_at(PLANE), polyharmonic(3)).field,
@@ -94,7 +97,10 @@ CALLS: dict[str, Call] = {
         {"points": DEGREES},
     ),
     "OnGlobe.field": (GLOBE.field, {"values": VALUES}),
-    "PartitionOfUnityRBF": (fr.PartitionOfUnityRBF, {"points": PLANE}),
+    "PartitionOfUnityRBF": (
+        fr.PartitionOfUnityRBF,
+        {"points": PLANE, "smoothing": np.ones(N)},
+    ),
     "PartitionOfUnityRBF.field": (fr.PartitionOfUnityRBF(PLANE).field, {"values": VALUES}),
     "b_splines": (partial(fr.methods.b_splines, degree=2), {"knots": LINE, "x": LINE}),
     "cardinal_b_spline": (partial(fr.methods.cardinal_b_spline, 2), {"x": LINE}),

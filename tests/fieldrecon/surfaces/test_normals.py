@@ -243,6 +243,14 @@ def test_normals_of_closed_curves_point_outward():
         assert correctly_oriented(x, true) == 1.0
 
 
+def test_without_the_enclosed_area_normals_may_point_inward(monkeypatch):
+    """They agree with that of the first point, whose sign is arbitrary."""
+    monkeypatch.setattr(normal_orientation, "_outward", lambda *_: np.ones(1))
+    x, true = ellipse(40)
+    sides = {orient_normals(x, sign * true)[0] @ true[0] for sign in (1.0, -1.0)}
+    assert_close(sorted(sides), np.array([-1.0, 1.0]), 1e-12)
+
+
 def test_normals_of_an_open_curve_agree():
     """On one side all along, that of the largest component of their sum."""
     x, true = ellipse(100, 2.0, open_at=4.0)

@@ -63,6 +63,7 @@ class Params(Parameters):
         "indices at which the Halton sequence begins; 0 is the origin, a corner of the square",
         least=1,
         most=10**6,
+        order="increasing",
     )
     scale: float = parameter(
         0.2,
@@ -235,14 +236,15 @@ def _order_facts(params: Params, errors: np.ndarray) -> dict[str, Cell]:
     names = list(params.kernels)
     facts: dict[str, Cell] = {}
     for name in POLYHARMONIC:
-        logarithms = np.log(errors[names.index(name)])
-        corner, *orders = -2 * np.polyfit(np.log(params.sizes), logarithms, 1)[0]
+        h = np.array(params.sizes) ** -0.5
+        corner, *orders = (order(h, e) for e in errors[names.index(name)].T)
         facts[f"order_{name}_least"], facts[f"order_{name}_most"] = min(orders), max(orders)
         facts[f"order_{name}_corner"] = corner
         facts[f"order_{name}_first"] = orders[0]
     for name in ("cubic", "multiquadric"):
         corner, first = errors[names.index(name), -1, :2]
-        facts[f"corner_gain_{name}"] = first / corner if corner else 0.0
+        if first and corner:  # else the system was refused
+            facts[f"corner_gain_{name}"] = first / corner
     return facts
 
 
