@@ -14,6 +14,7 @@ from unittest import mock
 
 import numpy as np
 from scipy import sparse
+from scipy.spatial.distance import pdist
 
 from cases import FLAT, Case, CornersCase, PatchesCase
 from fieldrecon._core import chunks as _chunks
@@ -502,7 +503,10 @@ def leave_one_out_equals_refits(case: Case) -> None:
 
 @about(lambda case: not isinstance(case, CornersCase))
 def arrangements_are_solved_or_refused(case: Case) -> None:
-    """On sites of any arrangement the method keeps its promises, or refuses in words."""
+    """On sites of any arrangement the laws below must hold, or the method refuses the sites.
+
+    The message of a refusal must be in the words of the subject. Patches must not refuse.
+    """
     for name, sites in case.arranged():
         try:
             assert_promises_kept(case.make, sites, refuses=not isinstance(case, PatchesCase))
@@ -514,7 +518,11 @@ def arrangements_are_solved_or_refused(case: Case) -> None:
 def assert_promises_kept(
     make: Callable[[np.ndarray, float], Reconstruction], sites: np.ndarray, refuses: bool
 ) -> None:
-    """Polynomials, data, both routes, and the order of the sites, in and out of the hull."""
+    """Laws with tolerances relative to the weights, by which rounding is multiplied.
+
+    Polynomials must be reproduced, data interpolated, both routes and the adjoint agree, inside and
+    outside the hull, and the order of the sites must not matter.
+    """
     rng, (n, d) = np.random.default_rng(8), sites.shape
     low, extent = sites.min(axis=0), max(np.ptp(sites, axis=0).max(), 1e-9)
     near = sites[rng.integers(0, n, 4)] + 0.02 * extent * rng.normal(size=(4, d))
@@ -535,18 +543,23 @@ def assert_promises_kept(
             return
         raise AssertionError(f"refused: {error!r}") from None
 
-    size = 1 + np.abs(h).sum(axis=1)[:, None]  # by which the rounding of the data is multiplied
-    if not refuses:  # then it stays bounded
+    size = 1 + np.abs(h).sum(axis=1)[:, None]
+    if not refuses:  # then the weights stay bounded
         assert size.max() * EPS < FLAT, f"weights of size {size.max():.0e}"
     grows = size * max(1.0, np.abs(exact).max(initial=0.0))
-    assert_close(h @ p / grows, exact / grows, FLAT)
-    assert_close(values[:, :-1] / grows, exact / grows, FLAT)
+    reproduced = VISIBLE if refuses else FLAT
+    assert_close(h @ p / grows, exact / grows, reproduced)
+    assert_close(values[:, :-1] / grows, exact / grows, reproduced)
     assert_close(values[:, -1:] / size, h @ f[:, None] / size, TOLERATED_MISS)
     load = np.cos(np.arange(len(x)))
-    assert_close(m.adjoint(x, load) / size.max(), h.T @ load / size.max(), TOLERATED_MISS)
+    assert_close(m.adjoint(x, load) / size.max(), h.T @ load / size.max(), 10 * TOLERATED_MISS)
     if again is not None:
         assert_close(again[:, -1], f, TOLERATED_MISS)
-    assert_close(other @ f[order] / size[:, 0], h @ f / size[:, 0], 10 * VISIBLE)
+    if n > 1 and pdist(sites).min() > 0.05 * extent:  # where distances may tie
+        f, tolerance = rng.normal(size=n), VISIBLE
+    else:
+        tolerance = 10 * TOLERATED_MISS
+    assert_close(other @ f[order] / size[:, 0], h @ f / size[:, 0], tolerance)
 
 
 WORDS = {

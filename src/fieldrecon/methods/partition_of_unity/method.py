@@ -76,7 +76,8 @@ class PartitionOfUnityRBF(Reconstruction):
     Attributes
     ----------
     patch_sizes : (p,) ndarray
-        Sites of each patch; more than `patch_size` if it needs them to determine its polynomials.
+        Sites of each patch; more than `patch_size` if it needs them to determine its polynomials,
+        fewer if there are no more, or if a few sites are clusters far from others.
     reduced : int
         Number of patches whose sites do not determine a polynomial of the degree, not even with
         four times as many: sites on a line, in a plane or on a circle, say. They use all
@@ -99,12 +100,12 @@ class PartitionOfUnityRBF(Reconstruction):
 
     A polynomial counts as determined if its values at the sites, modulo lower degrees, are at least
     1e-6 of the patch's size (root mean square); beyond linear polynomials, and those that the
-    kernel needs, at least 1e-4. Rounding in the data is magnified by at most the inverse.
+    kernel needs, at least 1e-4. Errors of the data are magnified by about the inverse.
 
     Outside the convex hull and in gaps, values are a fair extrapolation, and gradients are not.
     There the levels change within half a spacing, and the gradient has their difference divided
     by this distance. For f = sin 3(x + y) + x^2 at 600 sites in the unit square, the gradient
-    (of size 7) has errors of up to 31 within 0.1 of the square, 3.2 at the 95 % quantile; that of
+    (of size 6) has errors of up to 31 within 0.1 of the square, 3.2 at the 95 % quantile; that of
     `RBF` with r^3 has 1.0 and 0.7. `fieldrecon.selection.extrapolated` marks such points.
 
     Leave-one-out residuals are an estimate of the error: the patches stay where they are, while
