@@ -1,7 +1,9 @@
 """Many small weighted least-squares problems at once.
 
 For each of m queries, C with c = C f minimises sum_i w_i^2 (b_i^T c - f_i)^2. Where the matrix is
-well conditioned, the normal equations are solved by elimination, batched over the queries.
+well conditioned, the normal equations are solved by elimination, batched over the queries. They
+square the condition number. If all coefficients are wanted, as for gradients, one step of iterative
+refinement, C + (I - C B) C, mends this: the errors are those of QR, at a fraction of its cost.
 
 The remaining problems take one of two stabler ways. If all coefficients must be determined, it is
 Householder QR with rows and columns pivoted, which is stable however much the weights of the rows
@@ -68,6 +70,8 @@ def coefficient_weights(
     a = w[..., None] * b
     solution, safe = by_elimination(a.mT @ a, rows)
     c = (a @ solution).mT * w[:, None, :]
+    if rows == b.shape[2]:
+        c += (np.eye(rows) - c @ b) @ c
     if not safe.all():
         risky = ~safe
         _require_full_rank(b, w, tolerance, np.flatnonzero(risky))
