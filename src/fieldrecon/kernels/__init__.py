@@ -11,17 +11,20 @@ from fieldrecon.kernels.conditionally_positive_definite import (
     polyharmonic,
     thin_plate_spline,
 )
+from fieldrecon.kernels.mairhuber_curtis import SingularExchange, singular_exchange
 from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.kernels.weights import inverse_square
 
 __all__ = [
     "Radial",
+    "SingularExchange",
     "gaussian",
     "inverse_multiquadric",
     "inverse_square",
     "matern",
     "multiquadric",
     "polyharmonic",
+    "singular_exchange",
     "thin_plate_spline",
     "wendland",
 ]

@@ -59,6 +59,10 @@ Call = tuple[Callable[..., object], dict[str, np.ndarray]]
 CALLS: dict[str, Call] = {
     "Radial.__call__": (wendland(3, 1), {"r": VALUES}),
     "Radial.slope": (wendland(3, 1).slope, {"r": VALUES}),
+    "singular_exchange": (
+        partial(fr.kernels.singular_exchange, lambda x: np.column_stack([np.ones(3), x])),
+        {"points": CORNERS[:3, :2]},
+    ),
     "Reconstruction.field": (FITTED.field, {"values": VALUES}),
     "Reconstruction.weights": (FITTED.weights, {"x": PLANE}),
     "Reconstruction.gradient_weights": (FITTED.gradient_weights, {"x": PLANE}),
