@@ -155,7 +155,8 @@ class PatchesCase(Case):
             here = self.method._frame.local(self.sites[i])
             weight = level.patches.weights(np.array([j]), here[None, None])[0, 0]
             if i in own and weight > 0:
-                x, others = flattened(self.sites[own]), own[own != i]
+                frame, others = self.method._frame, own[own != i]
+                x = flattened(frame.scaled(self.sites[own]) * frame.scale)
                 smoothing = np.broadcast_to(self.method.smoothing, self.n)[others]
                 refit = RBF(x[own != i], self.method.kernel, systems.degree, smoothing)
                 s = refit.field(self.data[others])
@@ -536,6 +537,55 @@ def partition_cases() -> Iterator[Case]:
         )
 
 
+@dataclass(frozen=True)
+class MetricCase(Case):
+    """A method with a metric, whose axes only the symmetries of the metric may turn."""
+
+    symmetry: tuple[tuple[float, ...], ...] = ()
+
+    @property
+    def turn(self) -> np.ndarray:
+        """An orthogonal matrix (d, d) that leaves the metric as it is."""
+        return np.array(self.symmetry)
+
+
+@dataclass(frozen=True)
+class MetricPatchesCase(PatchesCase, MetricCase):
+    """Patches with a metric."""
+
+    @property
+    def turn(self) -> np.ndarray:
+        """A permutation of the axes that leaves the metric as it is."""
+        return np.array(self.symmetry)
+
+
+def metric_cases() -> Iterator[Case]:
+    oblique, swap = [[2.0, 1.0], [1.0, 2.0]], ((0.0, 1.0), (1.0, 0.0))
+    yield MetricCase(
+        "RBF gaussian with a metric in 2-D",
+        lambda p, u: RBF(p, gaussian(0.3 * u), 1, metric=oblique),
+        2,
+        SITES[2],
+        exact=FLAT,
+        symmetry=swap,
+    )
+    yield MetricCase(
+        "MLS wendland on 8 nearest, degree 1, with a metric in 2-D",
+        lambda p, _: MovingLeastSquares(p, wendland(3, 2), 1, 8, metric=oblique),
+        2,
+        SITES[2],
+        exact=1e-9,
+        symmetry=swap,
+    )
+    yield MetricPatchesCase(
+        "PU r³ on 16 sites, degree 1, with scales in 3-D",
+        lambda p, _: PartitionOfUnityRBF(p, polyharmonic(3), 1, 16, metric=[1.5, 0.4, 0.4]),
+        3,
+        130,
+        symmetry=((1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)),
+    )
+
+
 CASES = [
     *least_squares_cases(),
     *moving_cases(),
@@ -543,6 +593,7 @@ CASES = [
     *hermite_cases(),
     *spline_cases(),
     *partition_cases(),
+    *metric_cases(),
     *polytope_cases(),
 ]
 

@@ -22,13 +22,14 @@ from fieldrecon.kernels.positive_definite import gaussian, wendland
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods import moving_least_squares
 from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.metric import MetricFrame
 from fieldrecon.methods.moving_least_squares import LocalFit, MovingLeastSquares
 from fieldrecon.methods.partition_of_unity import blending as _blending
 from fieldrecon.methods.partition_of_unity import method as partition_of_unity
 from fieldrecon.methods.partition_of_unity import patches as _patches
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.polynomials import monomials
+from fieldrecon.polynomials import Frame, monomials
 from fieldrecon.reconstruction import Field, Reconstruction
 
 LINE = case("LS degree 1 in 2-D")
@@ -42,6 +43,7 @@ FARTHER = replace(PLATE, units=(3.0,))
 SMOOTHED = case("RBF thin plate, one degree more, smoothed, in 2-D")
 
 
+OBLIQUE = case("RBF gaussian with a metric in 2-D")
 PATCHES = case("PU r³ on 16 sites, degree 1 in 2-D")
 SPHERE = case("PU, sphere in 3-D")
 
@@ -640,6 +642,22 @@ class BendOfTheWeightsForgotten(MovingLeastSquares):
             return super()._hessian_rows(x, prepared)
 
 
+class GradientNotMappedBack(RBF):
+    """Derivatives by the coordinates in which the metric is Euclidean."""
+
+    def _gradient_rows(self, x, prepared):
+        with mock.patch.object(MetricFrame, "gradient", Frame.gradient):
+            return super()._gradient_rows(x, prepared)
+
+    def _hessian_rows(self, x, prepared):
+        with mock.patch.object(MetricFrame, "hessian", Frame.hessian):
+            return super()._hessian_rows(x, prepared)
+
+
+def not_mapped_back(points, unit):
+    return GradientNotMappedBack(points, gaussian(0.3 * unit), 1, metric=[[2.0, 1.0], [1.0, 2.0]])
+
+
 class HessianDiagonal(Wrapped):
     """Leaves out the mixed derivatives, which only other axes show."""
 
@@ -689,11 +707,13 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         made(MOVING, "NotSquared", lambda p, u: MovingLeastSquares(p, weight_not_squared(u / 10))),
         made(NEAREST, "ReachHeldFixed", lambda p, _: ReachHeldFixed(p, wendland(3, 2), 1, 8)),
         made(PLATE, "NoLimit", lambda p, _: RBF(p, no_limit_at_the_centre())),
+        made(OBLIQUE, "GradientNotMappedBack", not_mapped_back),
         patches(WeightsHeldFixed),
     ],
     laws.hessians_are_derivatives_of_gradients: [
         wrapped(PLATE, HessianInTheFrame),
         wrapped(PLATE, LaplacianOfTheFirstVariable),
+        made(OBLIQUE, "HessianNotMappedBack", not_mapped_back),
         made(
             MOVING,
             "HessianOfThePolynomial",

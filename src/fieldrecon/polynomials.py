@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations_with_replacement
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core.blas_threads import blas_threads_for
 
+Derivative: TypeAlias = Any
+"""A dense or sparse matrix of derivatives, which can be added and multiplied by numbers."""
 EPS = float(np.finfo(np.float64).eps)
 LARGE_BASIS = 500
 """Size of a basis beyond which fewer sites are refused before the basis is computed."""
@@ -182,6 +186,9 @@ class Frame:
     center: np.ndarray
     scale: float
 
+    is_isotropic: ClassVar[bool] = True
+    """Whether a Laplacian by y is one by x, up to a factor."""
+
     @classmethod
     def around(cls, points: np.ndarray) -> Frame:
         """The frame in which the sites (n, d) fill the cube [-1, 1]^d."""
@@ -193,6 +200,22 @@ class Frame:
     def local(self, x: np.ndarray) -> np.ndarray:
         """Coordinates (..., d) in the frame."""
         return (x - self.center) / self.scale
+
+    def scaled(self, x: np.ndarray) -> np.ndarray:
+        """Coordinates (..., d) in its unit, not shifted, so that close points stay apart."""
+        return x / self.scale
+
+    def gradient(self, by_y: np.ndarray) -> np.ndarray:
+        """Derivatives (..., d) by x from those by y."""
+        return by_y / self.scale
+
+    def hessian(self, by_y: np.ndarray) -> np.ndarray:
+        """Second derivatives (..., d, d) by x from those by y."""
+        return by_y / self.scale / self.scale
+
+    def partials(self, by_y: Iterable[Derivative]) -> tuple[Derivative, ...]:
+        """Derivatives by each of the d variables x from those by y."""
+        return tuple(derivative / self.scale for derivative in by_y)
 
     def global_coefficients(self, c: np.ndarray, degree: int) -> np.ndarray:
         """Coefficients in the monomials of x, from those (q, ...) in the monomials of y.

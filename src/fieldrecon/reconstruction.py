@@ -235,9 +235,13 @@ class Reconstruction(ABC):
 
     @classmethod
     def _argument_names(cls) -> list[str]:
-        """Names of the constructor's arguments besides the points, without keyword-only ones."""
+        """Names of the constructor's arguments besides the points.
+
+        Without `executor` and `progress`, which do not change the method.
+        """
         parameters = signature(cls).parameters.values()
-        names = [p.name for p in parameters if p.kind is p.POSITIONAL_OR_KEYWORD]
+        named = [p.name for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
+        names = [name for name in named if name not in ("executor", "progress")]
         if names[:1] != ["points"]:
             raise TypeError(f"{cls.__name__} is not made from points: its arguments are {names}")
         return names[1:]

@@ -36,6 +36,8 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.reconstruction import Field, Reconstruction
 
 FORMAT, VERSION = "fieldrecon field", 2
+ADDED = {"metric": None}
+"""Arguments that older files lack, with their values in these files."""
 
 
 def _is_made_from_points(method: object) -> bool:
@@ -203,6 +205,7 @@ def _method(described: Mapping[str, Any], points: np.ndarray) -> Reconstruction:
     given = dict(described)
     method = _known(_METHODS, given.pop("name"))
     wanted = sorted(method._argument_names())
+    given = {name: value for name, value in ADDED.items() if name in wanted} | given
     if sorted(given) != wanted:
         raise ValueError(f"{method.__name__} is made with {wanted}; got {sorted(given)}")
     return method._made(points, **{name: _restored(value) for name, value in given.items()})

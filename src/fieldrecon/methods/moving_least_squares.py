@@ -33,9 +33,9 @@ from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.derivatives import log_square_bend, smoothness
 from fieldrecon.kernels.weights import as_weight, inverse_square, log_square_slope, relative_weights
 from fieldrecon.methods.least_squares import ACCURATE, half_sum_of_squares, monomial_matrix
+from fieldrecon.methods.metric import as_metric, frame_of
 from fieldrecon.polynomials import (
     EPS,
-    Frame,
     dimension,
     monomial_hessians,
     monomials,
@@ -73,6 +73,10 @@ class MovingLeastSquares(Reconstruction):
         becomes the (k + 1)-th. A weight that does not vanish at 1 makes the field jump there.
         Without it, all sites within the weight's support count, and the field is as smooth as the
         weight.
+    metric : (d,) or (d, d) array_like, optional
+        Distances other than the Euclidean one: scales of the coordinates, for which it is
+        sqrt(sum_k ((x_k - y_k) / scale_k)^2), or a symmetric positive definite matrix M, for which
+        it is sqrt((x - y)^T M (x - y)). Lengths of the weight are such distances.
 
     Raises
     ------
@@ -96,21 +100,28 @@ class MovingLeastSquares(Reconstruction):
     """
 
     def __init__(
-        self, points: ArrayLike, weight: Radial, degree: int = 1, neighbors: int | None = None
+        self,
+        points: ArrayLike,
+        weight: Radial,
+        degree: int = 1,
+        neighbors: int | None = None,
+        *,
+        metric: ArrayLike | None = None,
     ) -> None:
         self.points = valid.as_points(points)
         self.degree = valid.as_degree(degree)
         self.weight = as_weight(weight)
         self.neighbors = as_neighbors(neighbors, len(self.points))
         refuse_too_few(self.points, self.degree)
-        frame = Frame.around(self.points)
+        self.metric = as_metric(metric, self.points.shape[1])
+        self._frame = frame = frame_of(self.points, self.metric)
         require_unisolvent(
             self.points, monomials(frame.local(self.points), self.degree), self.degree
         )
         # Lengths in a unit of the cloud's size: no square of a distance overflows. Coordinates are
         # not shifted, which would round close points together; differences are local anyway.
         self.unit = frame.scale
-        self.sites = self.points / self.unit
+        self.sites = frame.scaled(self.points)
         self.search = self._searched()
         self.labels = coincidence_labels(self.points)
         self.coincident = int(self.labels.max()) + 1 < len(self.points)
@@ -203,7 +214,7 @@ class MovingLeastSquares(Reconstruction):
 
     def in_units(self, x: np.ndarray) -> np.ndarray:
         """Queries (m, d) in units of the cloud's size, refused if squares of distances overflow."""
-        local = x / self.unit
+        local = self._frame.scaled(x)
         far = np.flatnonzero(~(np.abs(local).max(axis=1, initial=0.0) < 1e150))
         if len(far):
             where = valid.format_point(x[far[0]])
@@ -275,12 +286,12 @@ class MovingLeastSquares(Reconstruction):
     def _gradient_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
         fit = LocalFit(self, x)
         data = prepared.take(fit.near.index, axis=0)
-        return np.einsum("mkd,mkv->mvd", fit.gradient_weights(), data) / self.unit
+        return self._frame.gradient(np.einsum("mkd,mkv->mvd", fit.gradient_weights(), data))
 
     def _hessian_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
         fit = LocalFit(self, x)
         data = prepared.take(fit.near.index, axis=0)
-        return fit.hessians(data) / self.unit / self.unit
+        return self._frame.hessian(fit.hessians(data))
 
     def _weight_rows(self, x: np.ndarray) -> Weights:
         if not self.search.local:
@@ -296,7 +307,7 @@ class MovingLeastSquares(Reconstruction):
             self._refuse_if_too_large(len(x), d)
         parts: list[list[Weights]] = [[] for _ in range(d)]
         for fit in self._fits(x):
-            g = fit.gradient_weights() / self.unit
+            g = self._frame.gradient(fit.gradient_weights())
             for k in range(d):
                 parts[k].append(self._matrix_of(fit.near, g[..., k]))
         return tuple(self._stacked(p) for p in parts)
@@ -338,7 +349,7 @@ class LocalFit:
     ) -> None:
         self.method = method
         self.x = x
-        local = method.in_units(x)
+        self.local = local = method.in_units(x)
         self.near = near = method.search(local, without)
         there = np.isfinite(near.distance)
         distance = np.where(there, near.distance, 0.0)
@@ -475,7 +486,7 @@ class LocalFit:
     @property
     def _to_reach(self) -> np.ndarray:
         """Offsets (m, 1, d) of the sites at the distances rho."""
-        return (self.method.sites[self.near.reach_index] - self.x / self.method.unit)[:, None, :]
+        return (self.method.sites[self.near.reach_index] - self.local)[:, None, :]
 
     @property
     def _rho_squared(self) -> np.ndarray:
@@ -485,5 +496,5 @@ class LocalFit:
 
     def _tolerance(self) -> np.ndarray:
         """Rounding (m,) of the offsets relative to their size; smaller singular values are zero."""
-        reach = np.abs(self.x).max(axis=1) / (self.size[:, 0] * self.method.unit)
+        reach = np.abs(self.local).max(axis=1) / self.size[:, 0]
         return 4 * EPS * (max(self.basis.shape[1:]) + max(self.method.degree, 1) * (1 + reach))

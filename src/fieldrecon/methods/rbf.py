@@ -17,6 +17,7 @@ from fieldrecon._numerics.jets import symmetric, upper_pairs
 from fieldrecon.kernels.base import Radial
 from fieldrecon.methods.kernel_matrices import Block, dense, pairs_of, tiles
 from fieldrecon.methods.least_squares import LeastSquares, monomial_matrix
+from fieldrecon.methods.metric import as_metric, frame_of
 from fieldrecon.methods.solvability import (
     as_augmentation,
     as_finite,
@@ -30,7 +31,6 @@ from fieldrecon.methods.solvability import (
     unit_smoothing,
 )
 from fieldrecon.polynomials import (
-    Frame,
     dimension,
     monomial_gradients,
     monomial_hessians,
@@ -61,6 +61,10 @@ class RBF(Reconstruction):
     smoothing : float or (n,) array_like
         Added to the diagonal, all of it or datum by datum: the field minimises
         sum_i (f(p_i) - f_i)^2 / smoothing_i + energy. See the notes for the unit.
+    metric : (d,) or (d, d) array_like, optional
+        Distances other than the Euclidean one: scales of the coordinates, for which it is
+        sqrt(sum_k ((x_k - y_k) / scale_k)^2), or a symmetric positive definite matrix M, for which
+        it is sqrt((x - y)^T M (x - y)). Lengths of the kernel are such distances.
 
     Attributes
     ----------
@@ -74,8 +78,9 @@ class RBF(Reconstruction):
     ValueError
         If points coincide, or an argument has the wrong form.
     numpy.linalg.LinAlgError
-        If the points do not determine the polynomial, or the kernel is too flat for them; later,
-        if it is too flat for the data, so that rounding would make the field miss them.
+        If the points do not determine the polynomial, the kernel is too flat for them, or the
+        metric is not positive definite; later, if the kernel is too flat for the data, so that
+        rounding would make the field miss them.
     MemoryError
         If the system would not fit into this machine's memory.
 
@@ -112,17 +117,20 @@ class RBF(Reconstruction):
         kernel: Radial,
         degree: int | None = None,
         smoothing: ArrayLike = 0.0,
+        *,
+        metric: ArrayLike | None = None,
     ) -> None:
         self.points = valid.as_points(points)
         self.kernel = as_kernel(kernel, self.points.shape[1])
         self.degree = as_augmentation(degree, kernel)
         self.smoothing = as_smoothing(smoothing, len(self.points))
-        self._frame = Frame.around(self.points)
+        self.metric = as_metric(metric, self.points.shape[1])
+        self._frame = frame_of(self.points, self.metric)
         refuse_too_few(self.points, self.degree)
         p = self._basis(self.points)
         require_unisolvent(self.points, p, self.degree)
-        refuse_duplicates(self.points, smoothing=self.smoothing)
-        sites = self.points / self._frame.scale
+        sites = self._frame.scaled(self.points)
+        refuse_duplicates(sites, smoothing=self.smoothing)
         self._pairs = pairs_of(sites, as_finite(kernel.in_units(self._frame.scale)))
         each = unit_smoothing(self.smoothing, len(sites), kernel, self._frame.scale)
         self._system = self._pairs.system(p, each)
@@ -148,7 +156,8 @@ class RBF(Reconstruction):
         self._refuse_if_too_large(n + q)
         self._require_squares("the matrix")
         h = np.zeros((n + q, n + q))
-        h[:n, :n] = self.kernel.of_squared(cdist(self.points, self.points, "sqeuclidean"))
+        sites = self._pairs.sites * self._frame.scale
+        h[:n, :n] = self.kernel.of_squared(cdist(sites, sites, "sqeuclidean"))
         h[range(n), range(n)] += self.smoothing
         h[:n, n:], h[n:, :n] = p, p.T
         return h
@@ -207,8 +216,8 @@ class RBF(Reconstruction):
         return cKDTree(self.points)
 
     def _kernel_sum(self, lam: np.ndarray) -> np.ndarray:
-        total = np.zeros_like(lam)
-        for part, values in type(self._pairs)(self.points, self.kernel).values(self.points):
+        total, sites = np.zeros_like(lam), self._pairs.sites * self._frame.scale
+        for part, values in type(self._pairs)(sites, self.kernel).values(sites):
             total += values @ lam[part]
         return total
 
@@ -228,7 +237,7 @@ class RBF(Reconstruction):
     def _value_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
         lam, c = prepared
         total = self._basis(x) @ c
-        for part, values in self._pairs.values(x / self._frame.scale):
+        for part, values in self._pairs.values(self._frame.scaled(x)):
             total += values @ lam[part]
         return total
 
@@ -238,7 +247,7 @@ class RBF(Reconstruction):
         for part, slopes in self._gradients(x):
             for k, slope in enumerate(slopes):
                 total[..., k] += slope @ lam[part]
-        return total / self._frame.scale
+        return self._frame.gradient(total)
 
     def _hessian_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
         lam, c = prepared
@@ -246,32 +255,34 @@ class RBF(Reconstruction):
         entries = [
             np.zeros((len(x), lam.shape[1]), dtype=lam.dtype) for _ in upper_pairs(x.shape[1])
         ]
-        for part, blocks in self._pairs.hessians(x / self._frame.scale):
+        for part, blocks in self._pairs.hessians(self._frame.scaled(x)):
             for entry, block in zip(entries, blocks, strict=True):
                 entry += block @ lam[part]
         of_basis = monomial_hessians(self._frame.local(x), self.degree)
         total = symmetric(entries, x.shape[1]) + np.einsum("mqkl,qv->mvkl", of_basis, c)
-        return total / self._frame.scale / self._frame.scale
+        return self._frame.hessian(total)
 
     def _laplacian_rows(self, x: np.ndarray, prepared: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        if not self._frame.is_isotropic:
+            return super()._laplacian_rows(x, prepared)
         lam, c = prepared
         refuse_no_hessian(self.kernel, x, self._site_tree)
         total = monomial_laplacians(self._frame.local(x), self.degree) @ c
-        for part, values in self._pairs.laplacians(x / self._frame.scale):
+        for part, values in self._pairs.laplacians(self._frame.scaled(x)):
             total += values @ lam[part]
         return total / self._frame.scale / self._frame.scale
 
     def _gradients(self, x: np.ndarray) -> Iterator[tuple[slice, tuple[Block, ...]]]:
         if not self.kernel.differentiable:
             refuse_sites(self.kernel, x, self._site_tree)
-        return self._pairs.gradients(x / self._frame.scale)
+        return self._pairs.gradients(self._frame.scaled(x))
 
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
         self._refuse_if_too_large(len(x))
         rows = np.empty((len(x), len(self.points)))
         for some in tiles(len(x)):
             right = np.empty((len(self.points), len(x[some])))
-            for part, values in self._pairs.values(x[some] / self._frame.scale):
+            for part, values in self._pairs.values(self._frame.scaled(x[some])):
                 right[part] = dense(values).T
             rows[some] = self._system.solve(right, self._basis(x[some]).T)[0].T
         return rows
@@ -288,12 +299,12 @@ class RBF(Reconstruction):
             of_basis = monomial_gradients(self._frame.local(x[some]), self.degree)
             for k in range(d):
                 rows[k, some] = self._system.solve(right[k], of_basis[..., k].T)[0].T
-        return tuple(rows / self._frame.scale)
+        return self._frame.partials(rows)
 
     def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
         moments = np.zeros((len(self.points), f.shape[1]), dtype=f.dtype)
         for some in tiles(len(x)):
-            for part, values in self._pairs.values(x[some] / self._frame.scale):
+            for part, values in self._pairs.values(self._frame.scaled(x[some])):
                 moments[part] += values.T @ f[some]
         return self._system.solve(moments, self._basis(x).T @ f)[0]
 

@@ -40,7 +40,7 @@ def coefficients_solve_the_saddle_point_system(case: Case) -> None:
     h = m.matrix()
     size = max(1.0, np.abs(lam).max())
     assert_close(h @ np.concatenate([lam, c]) / size, right / size, 1e-9)
-    s = m.kernel(distances(case.queries, m.points)) @ lam
+    s = m.kernel(distances(case.queries, m.points, m.metric)) @ lam
     s += monomials(case.queries, m.degree) @ c
     assert_close(m.field(case.data)(case.queries), s, 1e-8 * size)
 
@@ -59,7 +59,7 @@ def the_energy_equals_that_of_the_data(case: Case) -> None:
     """λᵀAλ = λᵀf - smoothing |λ|² ≥ 0, because λ is orthogonal to the polynomials."""
     m = case.method
     lam, _ = m.coefficients(case.data)
-    a = m.kernel(distances(m.points, m.points))
+    a = m.kernel(distances(m.points, m.points, m.metric))
     energy = lam @ case.data - m.smoothing * lam @ lam
     assert energy > 0
     assert lam @ a @ lam == pytest.approx(energy, rel=1e-6)
@@ -72,8 +72,10 @@ RBF_LAWS = [
 ]
 
 
-def distances(x: np.ndarray, p: np.ndarray) -> np.ndarray:
-    return np.linalg.norm(x[:, None, :] - p, axis=-1)
+def distances(x: np.ndarray, p: np.ndarray, metric: np.ndarray | None = None) -> np.ndarray:
+    matrix = np.eye(x.shape[1]) if metric is None else metric
+    offset = x[:, None, :] - p
+    return np.sqrt(np.einsum("ijk,kl,ijl->ij", offset, matrix, offset))
 
 
 @pytest.mark.parametrize("case", RBFS, ids=lambda case: case.name)

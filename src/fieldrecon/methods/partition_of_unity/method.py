@@ -16,6 +16,7 @@ from fieldrecon._core.chunks import Progress, chunked, rows_of
 from fieldrecon._numerics.jets import product, rows_of_jet, symmetric, upper_pairs
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
+from fieldrecon.methods.metric import as_metric, frame_of
 from fieldrecon.methods.partition_of_unity.batched_systems import COLUMNS
 from fieldrecon.methods.partition_of_unity.blending import (
     Moments,
@@ -36,7 +37,7 @@ from fieldrecon.methods.solvability import (
     refuse_duplicates,
     unit_smoothing,
 )
-from fieldrecon.polynomials import EPS, Frame, dimension
+from fieldrecon.polynomials import EPS, dimension
 from fieldrecon.reconstruction import Field, Reconstruction, Weights
 
 Coefficients: TypeAlias = Sequence[Sequence[np.ndarray]]
@@ -70,6 +71,11 @@ class PartitionOfUnityRBF(Reconstruction):
     smoothing : float or (n,) array_like
         Added to the diagonal, all of it or datum by datum, as in `RBF`: the variance of each datum
         in units of the kernel.
+    metric : (d,) or (d, d) array_like, optional
+        Distances other than the Euclidean one: scales of the coordinates, for which it is
+        sqrt(sum_k ((x_k - y_k) / scale_k)^2), or a symmetric positive definite matrix M, for which
+        it is sqrt((x - y)^T M (x - y)). Balls and lengths of the
+        kernel are in such distances.
     progress : callable, optional
         Called as progress(done, total) with numbers of sites, while the patches are set up.
 
@@ -117,7 +123,8 @@ class PartitionOfUnityRBF(Reconstruction):
     ValueError
         If points coincide, or an argument has the wrong form.
     numpy.linalg.LinAlgError
-        Of the data: if the kernel is too flat for sites so close and data so rough.
+        If the metric is not positive definite. Of the data: if the kernel is too flat for sites so
+        close and data so rough.
     OverflowError
         Of the data: if coefficients exceed the range of floating-point numbers.
 
@@ -145,6 +152,7 @@ class PartitionOfUnityRBF(Reconstruction):
         patch_size: int | None = None,
         smoothing: ArrayLike = 0.0,
         *,
+        metric: ArrayLike | None = None,
         progress: Progress | None = None,
     ) -> None:
         self.points = valid.as_points(points)
@@ -156,14 +164,16 @@ class PartitionOfUnityRBF(Reconstruction):
         self.patch_size = _as_patch_size(patch_size, d, degree)
         self.smoothing = as_smoothing(smoothing, len(self.points))
         self.interpolates = not np.any(self.smoothing)
-        refuse_duplicates(self.points, smoothing=self.smoothing)
-        self._frame = Frame.around(self.points)
+        self.metric = as_metric(metric, d)
+        self._frame = frame_of(self.points, self.metric)
+        scaled = self._frame.scaled(self.points)
+        refuse_duplicates(scaled, smoothing=self.smoothing)
         unit_kernel = as_finite(self.kernel.in_units(self._frame.scale))
         problem = Problem(
             unit_kernel,
             degree,
             unit_smoothing(self.smoothing, len(self.points), self.kernel, self._frame.scale),
-            EPS * float(np.abs(self.points / self._frame.scale).max()),
+            EPS * float(np.abs(scaled).max()),
         )
         local = self._frame.local(self.points)
         size = min(self.patch_size, len(local))
@@ -238,6 +248,10 @@ class PartitionOfUnityRBF(Reconstruction):
         return total
 
     def _gradient_rows(self, x: np.ndarray, prepared: Coefficients) -> np.ndarray:
+        return self._frame.gradient(self._local_gradient_rows(x, prepared))
+
+    def _local_gradient_rows(self, x: np.ndarray, prepared: Coefficients) -> np.ndarray:
+        """Gradients (m, v, d) by the coordinates in the frame."""
         middle = self._value_rows(x, prepared)
         x = self._frame.local(x)
         total = np.zeros((*middle.shape, x.shape[1]), dtype=middle.dtype)
@@ -252,12 +266,11 @@ class PartitionOfUnityRBF(Reconstruction):
                     weight * slopes + values[..., None] * share.weights[1:, pairs].T[:, None, :]
                 )
             total += summed(share.query, terms, len(x))
-        return total / self._frame.scale
+        return total
 
     def _hessian_rows(self, x: np.ndarray, prepared: Coefficients) -> np.ndarray:
         """The derivatives of the weights sum to zero: only differences of the patches count."""
-        middle, slope = self._value_rows(x, prepared), self._gradient_rows(x, prepared)
-        slope = slope * self._frame.scale
+        middle, slope = self._value_rows(x, prepared), self._local_gradient_rows(x, prepared)
         x = self._frame.local(x)
         d = x.shape[1]
         total = np.zeros((len(upper_pairs(d)), *middle.shape), dtype=middle.dtype)
@@ -273,13 +286,13 @@ class PartitionOfUnityRBF(Reconstruction):
             terms = product(jet, share.weights[..., None], d)[1 + d :]
             for entry, term in zip(total, terms, strict=True):
                 entry += summed(share.query, term, len(x))
-        return symmetric(total, d) / self._frame.scale / self._frame.scale
+        return self._frame.hessian(symmetric(total, d))
 
     def _weight_rows(self, x: np.ndarray) -> Weights:
         return self._in_chunks(weight_rows, x)[0]
 
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[Weights, ...]:
-        return tuple(g / self._frame.scale for g in self._in_chunks(gradient_weight_rows, x))
+        return self._frame.partials(self._in_chunks(gradient_weight_rows, x))
 
     def _in_chunks(
         self, rows_of_weights: Callable[..., list[Weights]], x: np.ndarray
