@@ -73,7 +73,7 @@ CALLS: dict[str, Call] = {
     "Field.laplacian": (FITTED.field(VALUES).laplacian, {"x": PLANE}),
     "RBF": (
         partial(fr.RBF, kernel=polyharmonic(3)),
-        {"points": PLANE, "smoothing": np.ones(N)},
+        {"points": PLANE, "smoothing": np.ones(N), "metric": np.eye(2)},
     ),
     "RBF.coefficients": (SMOOTH.coefficients, {"values": VALUES}),
     "HermiteRBF.field": (
@@ -86,7 +86,7 @@ CALLS: dict[str, Call] = {
     "LeastSquares.residuals": (FITTED.residuals, {"values": VALUES}),
     "MovingLeastSquares": (
         partial(fr.MovingLeastSquares, weight=wendland(3, 2)),
-        {"points": PLANE},
+        {"points": PLANE, "metric": np.eye(2)},
     ),
     "MovingLeastSquares.matrix": (LOCAL.matrix, {"x": PLANE}),
     "MovingLeastSquares.objective": (LOCAL.objective, {"values": VALUES, "x": PLANE}),
@@ -103,7 +103,7 @@ CALLS: dict[str, Call] = {
     "OnGlobe.field": (GLOBE.field, {"values": VALUES}),
     "PartitionOfUnityRBF": (
         fr.PartitionOfUnityRBF,
-        {"points": PLANE, "smoothing": np.ones(N)},
+        {"points": PLANE, "smoothing": np.ones(N), "metric": np.eye(2)},
     ),
     "PartitionOfUnityRBF.field": (fr.PartitionOfUnityRBF(PLANE).field, {"values": VALUES}),
     "b_splines": (partial(fr.methods.b_splines, degree=2), {"knots": LINE, "x": LINE}),

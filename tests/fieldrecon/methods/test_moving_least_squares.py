@@ -32,7 +32,8 @@ VALUES = np.cos(POINTS @ [3.0, 2.0])
 
 def weights_and_indices(method: MovingLeastSquares, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Weights w_i(x) of the sites in the neighbourhood, by its definition, and their indices."""
-    r = np.linalg.norm(method.points - x, axis=1)
+    matrix = np.eye(len(x)) if method.metric is None else method.metric
+    r = np.sqrt(np.einsum("ik,kl,il->i", method.points - x, matrix, method.points - x))
     order = np.argsort(r)
     if method.neighbors is None:
         return method.weight(r), np.arange(len(r))
