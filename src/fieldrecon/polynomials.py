@@ -188,6 +188,8 @@ class Frame:
 
     is_isotropic: ClassVar[bool] = True
     """Whether a Laplacian by y is one by x, up to a factor."""
+    who: ClassVar[str] = "the points do"
+    """Subject of the error for sites that do not determine a polynomial in the frame."""
 
     @classmethod
     def around(cls, points: np.ndarray) -> Frame:

@@ -32,6 +32,7 @@ class MetricFrame(Frame):
     factor: np.ndarray
 
     is_isotropic = False
+    who = "the points, as far apart as the metric says, do"
 
     def local(self, x: np.ndarray) -> np.ndarray:
         """Coordinates (..., d) in the frame."""

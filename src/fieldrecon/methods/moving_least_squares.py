@@ -116,7 +116,7 @@ class MovingLeastSquares(Reconstruction):
         self.metric = as_metric(metric, self.points.shape[1])
         self._frame = frame = frame_of(self.points, self.metric)
         require_unisolvent(
-            self.points, monomials(frame.local(self.points), self.degree), self.degree
+            self.points, monomials(frame.local(self.points), self.degree), self.degree, frame.who
         )
         # Lengths in a unit of the cloud's size: no square of a distance overflows. Coordinates are
         # not shifted, which would round close points together; differences are local anyway.

@@ -128,7 +128,7 @@ class RBF(Reconstruction):
         self._frame = frame_of(self.points, self.metric)
         refuse_too_few(self.points, self.degree)
         p = self._basis(self.points)
-        require_unisolvent(self.points, p, self.degree)
+        require_unisolvent(self.points, p, self.degree, self._frame.who)
         sites = self._frame.scaled(self.points)
         refuse_duplicates(sites, smoothing=self.smoothing)
         self._pairs = pairs_of(sites, as_finite(kernel.in_units(self._frame.scale)))

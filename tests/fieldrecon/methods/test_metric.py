@@ -136,6 +136,17 @@ def test_wrong_metrics_are_refused(make):
             make(X, metric=matrix)
 
 
+def test_a_metric_that_flattens_the_sites_is_named():
+    """In its distances they lie on a line; patches of them keep what a line determines."""
+    for make in (MAKES["RBF"], MAKES["nearest sites"]):
+        with refused("as far apart as the metric says, do not determine", np.linalg.LinAlgError):
+            make(X, metric=[1e300, 1.0])
+    assert MAKES["RBF"](X, metric=[1e-6, 1.0]).degree == 1
+    flat = MAKES["patches"](X, metric=[1e-9, 1.0])
+    assert flat.reduced > 0
+    assert flat.degree == 0
+
+
 def test_the_callers_metric_is_copied_and_its_unit_does_not_matter():
     """From 1e-140 to 1e140; beyond the range, distances are refused."""
     own = MATRIX.copy()

@@ -74,8 +74,9 @@ class PartitionOfUnityRBF(Reconstruction):
     metric : (d,) or (d, d) array_like, optional
         Distances other than the Euclidean one: scales of the coordinates, for which it is
         sqrt(sum_k ((x_k - y_k) / scale_k)^2), or a symmetric positive definite matrix M, for which
-        it is sqrt((x - y)^T M (x - y)). Balls and lengths of the
-        kernel are in such distances.
+        it is sqrt((x - y)^T M (x - y)). Balls and lengths of the kernel are such distances. A patch
+        that is a millionth as wide as it is long in these distances counts as a line; see
+        `reduced`.
     progress : callable, optional
         Called as progress(done, total) with numbers of sites, while the patches are set up.
 
