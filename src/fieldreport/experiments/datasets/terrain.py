@@ -53,7 +53,7 @@ from fieldreport.experiments.datasets.terrain_methods import (
     scipy_thin_plate,
     solved,
 )
-from fieldreport.framework.error_measures import order
+from fieldreport.framework.error_measures import ROUNDING, order
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
 from fieldreport.framework.parameters import Parameters, parameter, require
 
@@ -282,12 +282,12 @@ def _facts_of_window(
     for told, name in params.quoted.items():
         if name in in_window:
             errors = in_window[name]
-            power = order(params.spacings, errors)
             facts |= {
-                f"window_{told}_power": power,
                 f"window_{told}_finest": errors[finest],
                 f"window_{told}_coarsest": errors[coarsest],
             }
+            if errors.min() > ROUNDING:  # a method may reproduce the land
+                facts[f"window_{told}_power"] = order(params.spacings, errors)
     return facts
 
 
