@@ -64,8 +64,8 @@ class MovingLeastSquares(Reconstruction):
     degree : int
         Total degree of the local polynomials, 0 or more.
     neighbors : int, optional
-        With k given, only the k nearest sites count, and the weight sees r/rho, rho the distance
-        of the (k + 1)-th site. So the k-th still counts, unless it is as far away: a weight that
+        With k given, only the k sites nearest to the query count, a site at the query included,
+        and the weight sees r/rho, rho the distance of the (k + 1)-th site. So the k-th still counts, unless it is as far away: a weight that
         vanishes at 1 does not count it then. On a lattice few neighbors can be too few because of
         such ties; six are enough for degree 1 in the plane. Of equally distant sites their
         positions decide, not their order, unless sites coincide. With a `wendland` weight of radius
