@@ -171,7 +171,7 @@ def solids(unit):
     ball = Ball(unit)
     found = extract_surface(ball, 0.3 * unit)
     origins = np.column_stack([np.full(5, -2.0), halton(5, 2) - 0.5]) * unit
-    seen = ray_intersections(ball, origins, [1.0, 0.5, 0.0], 4 * unit, 0.1 * unit)
+    seen = ray_intersections(ball, origins, [1.0, 0.0, 0.0], 4 * unit, 0.1 * unit)
     soup = PolygonSoup(found.points, found.triangles[::9], 0.1 * unit)
     queries = 1.5 * (halton(9, 3) - 0.5) * unit
     return found.points / unit, seen / unit, soup(queries) / unit
