@@ -350,6 +350,7 @@ def test_among_thousands_of_files_notebooks_have_precedence(tmp_path):
     assert notes in only.notes
 
 
+@pytest.mark.slow
 def test_a_class_with_thousands_of_files_is_read(tmp_path):
     """Each student has a record, and reading takes seconds."""
     roster = {f"s{k}": Student(f"s{k}", f"First{k} Last{k}") for k in range(1000)}

@@ -237,6 +237,7 @@ def test_meshes_of_frames_fill_the_box_and_differ():
     assert len(one.points) != len(two.points) or np.abs(one.points - two.points).max() > VISIBLE
 
 
+@pytest.mark.slow
 def test_reflection_and_pressure_reduce_the_errors():
     """Reflection loses less energy than plain projection. Without pressure the error is largest."""
     result = experiments.get("fluid_animation").run(fluid_animation.QUICK)

@@ -96,6 +96,7 @@ def test_a_factor_that_exceeds_memory_is_refused():
         pairs.system(np.zeros((3000, 0)), np.zeros(3000))
 
 
+@pytest.mark.slow
 def test_field_and_adjoint_work_where_dense_weights_are_refused():
     """H for 20 000 sites and queries would take 3 GiB. Hᵀf and the field take a second."""
     sites = halton(20_000, 2)

@@ -387,6 +387,7 @@ def test_orientation_signs_are_exact():
     np.testing.assert_array_equal(_predicates.orient2d(a, b, c), expected)
 
 
+@pytest.mark.slow
 def test_rounded_signs_give_wrong_findings(monkeypatch):
     """A mutant without exact signs disagrees with rational arithmetic."""
     rng = np.random.default_rng(1)
