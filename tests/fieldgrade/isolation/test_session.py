@@ -151,6 +151,7 @@ def test_a_call_that_crashes_affects_its_question_only(server):
     assert len(log.processes) == 2
 
 
+@pytest.mark.slow
 def test_a_call_that_ignores_its_interruption_is_killed(hasty):
     """Its outcome is `timed out`."""
     code = """

@@ -172,6 +172,7 @@ def test_the_grid_is_within_its_error_estimate(tmp_path, survey):
     assert np.median(error[flags == 0]) < 0.3 * np.std(truth)
 
 
+@pytest.mark.slow
 def test_columns_and_method_can_be_chosen(capsys, tmp_path, survey):
     """--x, --y, --value and --method override the columns and the method found automatically."""
     options = ["--x", "northing", "--y", "easting", "--value", "depth [m]", "--method", "ls2"]
@@ -258,6 +259,7 @@ def test_format_selects_the_files_in_a_folder(tmp_path, survey):
     }
 
 
+@pytest.mark.slow
 def test_targets_may_be_a_table_or_a_mesh(tmp_path, survey):
     """At the sample points an interpolating method reproduces the values.
 
@@ -346,6 +348,7 @@ def test_a_saved_field_gives_the_same_values(tmp_path, survey, method, globe):
     assert isinstance(load(saved).method, OnGlobe) == globe
 
 
+@pytest.mark.slow
 def test_progress_is_printed_on_a_terminal(tmp_path, survey):
     """Stages, remaining time and memory are printed to standard error, not to standard output."""
     shown, terminal = pty.openpty()
