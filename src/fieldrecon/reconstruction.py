@@ -451,7 +451,7 @@ class Field:
         progress: Progress | None,
         memory: int = 1,
     ) -> np.ndarray:
-        """Rows of results in chunks; `memory` is that of a query, relative to a gradient's."""
+        """Evaluate in chunks; a query takes `memory` times as much memory as for a gradient."""
         x = self.method._queries(x)
         queries = x.reshape(-1, x.shape[-1])
         order = self.method._order(queries)

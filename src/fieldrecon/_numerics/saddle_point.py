@@ -175,9 +175,9 @@ class SparseSaddlePoint(SaddlePoint):
 def balancing(diagonal: np.ndarray, column: np.ndarray) -> np.ndarray:
     """Powers of two s (..., n) for which no s_i^2 A_ii exceeds the size of A much.
 
-    This size is that of the first column (..., n - 1) below the diagonal (..., n), or of the
-    smallest entry of the diagonal. So entries that a large smoothing was added to become one in
-    size, and the other rows and columns stay as they are.
+    The size of A is the largest entry of its first column (..., n - 1) below the diagonal
+    (..., n), or the smallest entry of the diagonal. Diagonal entries with a large smoothing are
+    scaled to this size; the other rows and columns stay as they are.
     """
     diagonal = np.abs(diagonal)
     size = np.maximum(np.abs(column).max(axis=-1, initial=0.0), diagonal.min(axis=-1))[..., None]

@@ -71,8 +71,8 @@ class OnGlobe(Reconstruction):
     s(l, b) = t(u(l, b)) with u as in `to_unit`. The components of the gradient are the
     derivatives by a degree of longitude and by a degree of latitude, which are not lengths: the
     derivative by the distance to the east is (180 / (pi R cos b)) times the first, to the north
-    (180 / (pi R)) times the second, with R the radius. The Hessian has the second derivatives by
-    degrees; the Laplacian is that of the unit sphere (Laplace-Beltrami), to be divided by R^2.
+    (180 / (pi R)) times the second, with R the radius. The Hessian holds the second derivatives
+    by degrees. The Laplacian is the Laplace-Beltrami operator of the unit sphere; divide it by R^2.
 
     Parameters
     ----------

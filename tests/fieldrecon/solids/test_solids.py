@@ -190,7 +190,8 @@ def test_invalid_solids_are_refused(call, words):
 @pytest.mark.slow
 def test_triangles_of_one_cell_do_not_cross():
     """For all signs at the corners, and vertices anywhere on the edges."""
-    measure = pytest.importorskip("skimage.measure")
+    from skimage import measure
+
     rng = np.random.default_rng(3)
     for bits in range(1, 255):
         signs = np.array([1.0 if bits >> k & 1 else -1.0 for k in range(8)], np.float32)
