@@ -224,7 +224,8 @@ def point_velocities(
     u(y) = c_0 + sum_k (y - x)_k c_k with the weights w(|p_a - x|); the velocity at x is c_0. The
     faces are those of the first rings of cells around the nearest vertex that determine the fit.
     At a vertex the result equals `vertex_velocities`. Between vertices the velocity jumps where
-    another vertex becomes the nearest, unless the weights vanish at the faces that change. An affine field is reproduced exactly, also outside the mesh.
+    another vertex becomes the nearest, unless the weights vanish at the faces that change. An
+    affine field is reproduced exactly, also outside the mesh.
 
     Parameters
     ----------
