@@ -8,7 +8,7 @@ python := $(VENV)/bin/python
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help test test-slow test-all lint format architecture report check-reproducible bench notebooks check-graders \
+.PHONY: help test test-slow test-all test-browser lint format architecture report docs site check-reproducible bench notebooks check-graders \
   publish bundle grade lab check-tests lock clean distclean FORCE
 
 # The packages are those of the lock files, whatever else this shell can import.
@@ -45,11 +45,15 @@ pytest     := $(one_thread) $(python) -m pytest --numprocesses=auto --maxprocess
 test: $(ready) ## run the tests except those marked slow
 	@$(pytest) -m "not slow"
 
+# Many of them wait for sandboxes, so three processes are better than two on two cores.
 test-slow: $(ready) ## run the tests marked slow
-	@$(pytest) -m slow
+	@$(pytest) --numprocesses=3 -m slow
 
 test-all: $(ready) ## run every test
 	@$(pytest)
+
+test-browser: $(VENV)/ready-browser ## test the living figures of the report in Chromium, which must be installed
+	@$(one_thread) $(python) -m pytest tests/browser
 
 lint: $(ready) ## check format and style (ruff), types (mypy) and directions of imports (import-linter)
 	@$(python) -m ruff format --check
@@ -84,6 +88,14 @@ $(manifest): $(ready) $(sources) $(if $(missing),FORCE)
 
 check-reproducible: $(ready) ## build the report twice and compare the bytes; AGAINST=manifest.json of another machine
 	@$(VENV)/bin/fieldrecon report $(if $(AGAINST),--against "$(AGAINST)",--check-reproducible)
+
+# The site of the documentation. `site` also has the chapters of the report, and one search over both.
+
+docs: $(VENV)/ready-docs ## build the documentation with reference and gallery: build/docs/index.html
+	@$(one_thread) $(python) docs/site/build.py build/docs
+
+site: $(VENV)/ready-docs $(manifest) ## build the documentation with the report's chapters: build/site/index.html
+	@$(one_thread) $(python) docs/site/build.py build/site --report $(build)/pages
 
 # The compared libraries have an environment of their own, which also has the locked packages.
 peers := $(VENV)-bench
@@ -124,7 +136,7 @@ grade: $(ready) ## grade the submissions of a class: SUBMISSIONS=dir; OUT=graded
 	@$(if $(SUBMISSIONS),,$(error SUBMISSIONS=dir is missing: the folder or zip file to grade))
 	@$(VENV)/bin/fieldrecon grade "$(SUBMISSIONS)" $(if $(OUT),--out "$(OUT)") \
 	  $(if $(CLASS),--class "$(CLASS)") $(if $(ONLY),--only $(ONLY)) $(if $(JOBS),--jobs $(JOBS)) \
-	  $(if $(DIFF),--diff)
+	  $(if $(DIFF),--diff) || test $$? -eq 3
 
 # Other targets
 
@@ -136,6 +148,8 @@ lock: $(ready) ## bring the lock files up to date with pyproject.toml; UPGRADE=-
 	@$(compile) requirements-setup.lock --group setup
 	@$(compile) requirements.lock pyproject.toml src/pyproject.toml --extra all --group test --group lint --no-emit-package fieldrecon
 	@$(compile) requirements-lab.lock pyproject.toml --group lab --constraints requirements.lock
+	@$(compile) requirements-browser.lock pyproject.toml --group browser --constraints requirements.lock
+	@$(compile) requirements-docs.lock pyproject.toml --group docs --constraints requirements.lock
 	@$(compile) requirements-mutation.lock pyproject.toml --group mutation --constraints requirements.lock
 	@$(compile) requirements-bench.lock pyproject.toml --group bench --constraints requirements.lock
 	@$(compile) benchmarks/graders/nbgrader.lock benchmarks/graders/nbgrader.in

@@ -32,6 +32,7 @@ NAMES = (
     "streaming",
     "peers",
     "million",
+    "surveys",
 )
 RESULTS = Path(__file__).parent / "results"
 DOCS = Path(__file__).parents[1] / "docs"

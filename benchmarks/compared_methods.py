@@ -8,7 +8,7 @@ variants where a choice matters; for noisy data the settings of other libraries 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -30,7 +30,6 @@ Interpolant = Callable[[np.ndarray], np.ndarray]
 Fit = Callable[[np.ndarray, np.ndarray], Interpolant]
 CHOICES = ((2, 1, 50), (3, 3, 40), (4, 2, 120), (7, 4, 60))
 """Candidates: power of the kernel (with a logarithm if even), degree and patch size."""
-BLOCKS = 8
 STRENGTHS = 10.0 ** np.arange(-7, 0)
 """Candidates for the smoothing of r⁵, in fifth powers of the extent."""
 TRIAL_PATCH, LARGE_PATCH, MOST_AT_ONCE = 100, 300, 1_000
@@ -49,12 +48,11 @@ def patches_of(power: int, degree: int, patch_size: int) -> Fit:
 
 
 def patches_by_leave_one_out(points: np.ndarray, values: np.ndarray) -> Field:
-    """Kernel, degree and patch size with the least cross-validation error on a few blocks."""
+    """Kernel, degree and patch size with the least cross-validation error on a few folds."""
     makers = [partial(_patches, *choice) for choice in CHOICES]
     validator = CrossValidator.of(points, values)
-    if validator.blocks is not None:
-        validator = replace(validator, blocks=validator.blocks[:BLOCKS])
-    score = validator.evaluate(Model("patches", "PU", "patches, blended", lambda _: makers))
+    paths = [[maker] for maker in makers]
+    score = validator.evaluate(Model("patches", "PU", "patches, blended", lambda _: paths))
     return score.maker(points).field(values)
 
 
@@ -202,6 +200,47 @@ def gaussian_process(noise: bool = False) -> Fit:
         )
 
     return fit
+
+
+FOR_THE_LIKELIHOOD = 500
+
+
+def kriging(points: np.ndarray, values: np.ndarray) -> Interpolant:
+    """Simple kriging with a Matérn covariance and a nugget.
+
+    Sill, range and nugget maximize the likelihood of at most 500 samples.
+    """
+    from sklearn.gaussian_process import GaussianProcessRegressor
+    from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+
+    center, scale = points.mean(axis=0), float(np.ptp(points, axis=0).max())
+    x = (points - center) / scale
+    some = np.random.default_rng(0).permutation(len(x))[:FOR_THE_LIKELIHOOD]
+    covariance = ConstantKernel(1.0) * Matern(0.1, (1e-3, 1e2), nu=1.5) + WhiteKernel(
+        0.1, (1e-6, 1e2)
+    )
+    chosen = GaussianProcessRegressor(covariance, normalize_y=True).fit(x[some], values[some])
+    all_of_them = GaussianProcessRegressor(chosen.kernel_, optimizer=None, normalize_y=True)
+    fitted = all_of_them.fit(x, values)
+    return lambda queries: fitted.predict((queries - center) / scale)
+
+
+DAMPINGS = (None, 1e-8, 1e-6, 1e-4, 1e-2)
+
+
+def verde_cross_validated(points: np.ndarray, values: np.ndarray) -> Interpolant:
+    """A biharmonic spline of verde; the damping has the least error in three-fold validation."""
+    fold = np.random.default_rng(0).permutation(len(points)) % 3
+
+    def error(damping: float | None) -> float:
+        residuals = []
+        for k in range(3):
+            out = fold == k
+            field = verde(damping=damping)(points[~out], values[~out])
+            residuals.append(field(points[out]) - values[out])
+        return float(np.mean(np.concatenate(residuals) ** 2))
+
+    return verde(damping=min(DAMPINGS, key=error))(points, values)
 
 
 NOISE = ("noisy",)

@@ -129,14 +129,14 @@ class Bench:
             ]
             start, before = time.perf_counter(), _cpu_of_children()
             done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
-            if done.returncode:
+            if done.returncode not in (0, 3):  # 3: some submissions need the instructor's eyes
                 raise RuntimeError(f"fieldrecon grade: {done.stderr}")
             seconds, cpu = time.perf_counter() - start, _cpu_of_children() - before
             cpu += _cpu_in_sandboxes(Path(out)) + int(jobs) * self.cpu_of_sandbox_start
             records = json.loads((Path(out) / "results.json").read_text())["records"]
         self.tiers |= {record["tier"] for record in records}
         found = [
-            {g["question"] for g in record["grades"] if g["verdict"]["rung"] == "right"}
+            {g["question"] for g in record["grades"] if g["verdict"]["outcome"] == "right"}
             for record in sorted(records, key=lambda record: record["student"])
         ]
         self._require_right("fieldrecon", found, self.count)

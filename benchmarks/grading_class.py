@@ -93,7 +93,7 @@ def grade_class(size: Size) -> None:
                 if done % (size.submissions // 3) == 0:
                     print(json.dumps(_row(done, time.monotonic() - start, statuses)), flush=True)
     count = sum(hostile for _, hostile in fair.values())
-    if done != size.submissions or "fault" in statuses:
+    if done != size.submissions or "grader failed" in statuses:
         raise SystemExit(f"{done} of {size.submissions} were graded: {dict(statuses)}")
     print(json.dumps([good, tamed, count, tier]), flush=True)
 

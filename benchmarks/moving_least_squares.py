@@ -64,7 +64,7 @@ def run(size: Size, track: Track) -> BenchmarkResult:
                     f"scipy.spatial.cKDTree.query(k={size.neighbors}) alone",
                     seconds[f"total {degree}"],
                     seconds["search"],
-                    at_most=2.2 if degree == 1 else None,
+                    at_most=1.45 if degree == 1 else None,
                 )
                 for degree in (1, 2)
             ),

@@ -1,4 +1,4 @@
-"""Write the sample files of this folder anew: python examples/make.py."""
+"""Write the sample files, and the submissions of the example class: python examples/make.py."""
 
 import json
 from pathlib import Path
@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 
 import fieldrecon as fr
-from fieldgrade.authoring.sources import Source
+from fieldgrade.authoring.sources import REGION, Source
 
 HERE = Path(__file__).parent
 SOURCE = Source(HERE.parent / "solutions" / "01_least_squares.py")
+CLASS = HERE.parent / "src/fieldgrade/class_folder/example_class"
 SHIFTED = """
 def fit(points, values):
     matrix = basis_matrix(points)
@@ -17,6 +18,13 @@ def fit(points, values):
 """
 STUB = "def rank(points):\n    raise NotImplementedError\n"
 SLOW = "while True:\n    pass\n"
+WORDS = {
+    "ada": "B has N rows and D + 1 columns, c has D + 1 entries, V has N, and BᵀB is square with "
+    "D + 1 rows. The system is over-determined for N > D + 1 and under-determined for N < D + 1. "
+    "Counting is not enough: a hundred points on one line of the plane give only rank 2.",
+    "bob": "It is over-determined if there are more points than unknowns.",
+}
+"""Answers to question 01.7."""
 
 
 def heights(count: int = 600) -> None:
@@ -50,30 +58,27 @@ def damaged() -> None:
 
 
 def submissions() -> None:
-    """Write what five students submit: right, one mistake, unfinished, endless, cut off."""
-    right = [c.text for c in SOURCE.cells if c.question or (c.is_setup and c.kind == "code")]
+    """Write the example class: right, one mistake, unfinished, endless, cut off."""
+    needed = (c for c in SOURCE.cells if c.question or (c.is_setup and c.kind == "code"))
+    right = [REGION.sub(r"\g<body>", cell.text + "\n").rstrip() for cell in needed]
     cells = {
         "ada": right,
         "bob": [*right, SHIFTED],
-        "cai": [*right, STUB],
+        "cai": [STUB if "def rank(" in text else text for text in right],
         "dan": [*right, SLOW],
         "eve": right,
     }
     for student, texts in cells.items():
-        content = _notebook(texts)
-        file = HERE / "submissions" / student / f"{SOURCE.path.stem}.ipynb"
+        content = _notebook(texts, WORDS.get(student, ""))
+        file = CLASS / "submissions" / student / f"{SOURCE.path.stem}.ipynb"
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(content[:-200] if student == "eve" else content, encoding="utf-8")
-    (HERE / "class").mkdir(exist_ok=True)
-    lines = "".join(f"{student},{student}@uni.example\n" for student in cells)
-    (HERE / "class" / "roster.csv").write_text("student,email\n" + lines, encoding="utf-8")
 
 
-def _notebook(texts: list[str]) -> str:
-    cells = [
-        {"cell_type": "code", "execution_count": None, "metadata": {}, "outputs": [], "source": t}
-        for t in texts
-    ]
+def _notebook(texts: list[str], words: str) -> str:
+    code = {"cell_type": "code", "execution_count": None, "metadata": {}, "outputs": []}
+    cells = [code | {"source": text} for text in texts]
+    cells += [{"cell_type": "markdown", "metadata": {"answer": "01.7"}, "source": words}]
     content = {"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 4}
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 

@@ -1,5 +1,8 @@
 # ---
 # jupyter:
+#   course:
+#     pages: slides, pages 3–7 and 39
+#     chapters: [02-least-squares]
 #   jupytext:
 #     text_representation:
 #       extension: .py
@@ -13,13 +16,21 @@
 # %% [markdown]
 # # Least squares
 #
-# A quantity was measured at a few scattered places. What is it in between? The simplest answer
-# that uses all the measurements is one plane, laid through them so that it misses as little as
-# possible. By the end of this notebook you have written that method yourself, you know when it has
-# a unique answer, and you have seen where it must fail.
+# A quantity was measured at a few scattered points. Which value does it have between them? The
+# simplest method that uses all measurements is *linear regression*: an affine function whose
+# squared errors have the smallest sum. In this notebook you write the method, find out when its
+# solution is unique, and see which fields it cannot represent.
+#
+# You need linear systems, the transpose of a matrix, and the gradient.
+#
+# **Sources.** Erleben, *Field Reconstruction: A Quick Survey of Methods*, pages 3–7. Search for:
+# linear least squares, normal equations, pseudo-inverse. Read: Strang, *Introduction to Linear
+# Algebra*, the chapter on orthogonality; Trefethen and Bau, *Numerical Linear Algebra*, lectures 11
+# and 18.
 #
 # Each question asks for a function. Write it, run its cell, and run the check below it. The check
-# tells you whether it is right and, if it is not, what kind of mistake it may be.
+# reports whether the function is right and, if it is not, which mistake is likely. Then `case()`,
+# in a new cell, shows the inputs for which your function failed, your values, and the right values.
 
 # %% tags=["setup"]
 import numpy as np
@@ -29,6 +40,7 @@ from fieldcheck import (
     GREY,
     ORANGE,
     Slider,
+    case,
     check,
     data,
     draw,
@@ -38,48 +50,92 @@ from fieldcheck import (
 )
 
 # %% [markdown]
-# ## The problem in a picture
+# ## Scattered data
 #
-# Below is a slice through such a field. The dots are what was measured.
+# The dots are measurements of a field along a line. We want its value at the dotted line, where
+# nothing was measured.
 
 
 # %%
-@draw(places=Slider(3, 40, 12, "places", whole=True))
-def the_problem(places):
-    random = np.random.default_rng(1)
-    x = random.random(places)
+@draw(number=Slider(3, 40, 12, "points", whole=True))
+def the_problem(number):
+    x = np.random.default_rng(1).random(number)
     with figure(6.4, 2.6) as page:
         axes = page.subplots()
         axes.plot(x, np.sin(4 * x) + x, "o", color=BLUE, label="measured")
-        axes.plot([0.5], [0.7], marker="$?$", ms=14, color=ORANGE, label="asked for", ls="none")
-        axes.set(xlabel="place $x$", ylabel=r"value $\phi$", xlim=(0, 1), ylim=(0, 2))
-        axes.legend(loc="upper left")
+        axes.axvline(0.5, color=ORANGE, ls=":", label="value wanted here")
+        axes.set(xlabel="$x$", ylabel=r"value $\phi$", xlim=(0, 1), ylim=(0, 2))
+        axes.legend(loc="lower right")
     return page
 
 
 # %% [markdown]
-# ## The idea
+# ## A finished function
 #
-# Let $\mathbf{p}_1, \dots, \mathbf{p}_N \in \mathbb{R}^D$ be the places and
+# The simplest answer is the value of the nearest point. It is called *nearest-neighbour
+# interpolation*. The function below is finished; imitate its style. It has three parts: a docstring
+# with all shapes, array operations instead of loops, and one returned array.
+#
+# `x[:, None]` has the shape $(M, 1, D)$. Subtracting `points`, of shape $(N, D)$, gives all
+# differences, of shape $(M, N, D)$. This rule of NumPy is called *broadcasting*. `axis=-1` then
+# removes the last axis, and `axis=1` the axis of the points.
+
+
+# %%
+def nearest_values(points, values, x):
+    """Return the value of the nearest point, of shape (M,), at each of M evaluation points.
+
+    The points have the shape (N, D), the values (N,), and the evaluation points x (M, D).
+    """
+    distances = np.linalg.norm(x[:, None] - points, axis=-1)  # of shape (M, N)
+    return values[np.argmin(distances, axis=1)]
+
+
+three_points = np.array([[0.0], [1.0], [2.0]])  # three points on a line, D = 1
+three_values = np.array([1.0, 2.0, 6.0])
+print(nearest_values(three_points, three_values, np.array([[0.2], [0.7], [9.0]])))
+
+
+# %% [markdown]
+# The three results are the values at the points 0, 1 and 2. This field is piecewise constant, and
+# it jumps halfway between two points. A field without jumps needs another idea.
+
+# %% [markdown]
+# ## The affine field
+#
+# Let $\mathbf{p}_1, \dots, \mathbf{p}_N \in \mathbb{R}^D$ be the points and
 # $\phi_1, \dots, \phi_N$ the values. We look for an *affine* field
 #
 # $$ f(\mathbf{x}) = \mathbf{b}(\mathbf{x})^T \mathbf{c}, \qquad
 #    \mathbf{b}(\mathbf{x}) = (1, x_1, \dots, x_D)^T \tag{1.1} $$
 #
-# with $D+1$ coefficients $\mathbf{c} = (c_0, c_1, \dots, c_D)^T$. The conditions
-# $f(\mathbf{p}_i) = \phi_i$ are a linear system $\mathbf{B}\mathbf{c} = \mathbf{V}$, where
+# with $D+1$ coefficients $\mathbf{c} = (c_0, c_1, \dots, c_D)^T$. Its graph is a straight line for
+# $D = 1$ and a plane for $D = 2$. The conditions $f(\mathbf{p}_i) = \phi_i$ are a linear system
+# $\mathbf{B}\mathbf{c} = \mathbf{V}$, where
 #
 # $$ \mathbf{B} = \begin{bmatrix} \mathbf{b}(\mathbf{p}_1)^T \\ \vdots \\ \mathbf{b}(\mathbf{p}_N)^T
 #    \end{bmatrix}, \qquad
 #    \mathbf{V} = \begin{bmatrix} \phi_1 \\ \vdots \\ \phi_N \end{bmatrix}. \tag{1.2} $$
+#
+# Statisticians call $\mathbf{B}$ the *design matrix*.
+#
+# ### Example: three points, by hand
+#
+# Take the points $0, 1, 2$ on a line and the values $1, 2, 6$. Then $D = 1$, and (1.2) is
+#
+# $$ \mathbf{B} = \begin{bmatrix} 1 & 0 \\ 1 & 1 \\ 1 & 2 \end{bmatrix}, \qquad
+#    \mathbf{V} = \begin{bmatrix} 1 \\ 2 \\ 6 \end{bmatrix}. $$
+#
+# No straight line passes through the three values. The first two require $c_0 = 1$ and $c_1 = 1$,
+# and then $f(2) = 3$, not 6.
 
 # %% [markdown]
-# ### 01.1 The matrix
+# ### 01.1 The design matrix
 #
-# Write $\mathbf{B}$ of (1.2) for points given as an array of shape $(N, D)$.
+# *5 minutes.* Write $\mathbf{B}$ of (1.2) for points given as an array of shape $(N, D)$.
 
 
-# %% question="01.1"
+# %% question="01.1" minutes=15
 def basis_matrix(points):
     """Return B of (1.2), of shape (N, D + 1), for points of shape (N, D)."""
     # BEGIN SOLUTION
@@ -94,30 +150,51 @@ check("01.1")
 # %% [markdown]
 # ## The best fit
 #
-# With more points than coefficients the system has, as a rule, no solution. The best that can be
-# done is to make the error $\boldsymbol{\varepsilon} = \mathbf{B}\mathbf{c} - \mathbf{V}$ small:
-# to minimise
+# With more points than coefficients the system usually has no solution. Then we make the residual
+# $\boldsymbol{\varepsilon} = \mathbf{B}\mathbf{c} - \mathbf{V}$ as small as possible: we minimise
 #
 # $$ \psi(\mathbf{c}) = \tfrac{1}{2} \lVert \mathbf{B}\mathbf{c} - \mathbf{V} \rVert^2. \tag{1.3} $$
 #
-# Where $\psi$ is smallest its gradient vanishes, $\mathbf{B}^T(\mathbf{B}\mathbf{c} - \mathbf{V})
-# = \mathbf{0}$. These are the *normal equations*
+# At the minimum the gradient of $\psi$ is zero, $\mathbf{B}^T(\mathbf{B}\mathbf{c} - \mathbf{V})
+# = \mathbf{0}$. In words: the residual must be orthogonal to the columns of $\mathbf{B}$. These are
+# the *normal equations*
 #
 # $$ \mathbf{B}^T\mathbf{B}\,\mathbf{c} = \mathbf{B}^T\mathbf{V}. \tag{1.4} $$
 #
+# ### Example: the normal equations, by hand
+#
+# For the three points of the example,
+#
+# $$ \mathbf{B}^T\mathbf{B} = \begin{bmatrix} 3 & 3 \\ 3 & 5 \end{bmatrix}, \qquad
+#    \mathbf{B}^T\mathbf{V} = \begin{bmatrix} 9 \\ 14 \end{bmatrix}. $$
+#
+# Subtracting the first equation from the second gives $2c_1 = 5$. So $c_1 = \tfrac52$ and $c_0 =
+# \tfrac12$. The residual is $(-\tfrac12, 1, -\tfrac12)$. Its sum is zero, and its scalar product
+# with $(0, 1, 2)$ is zero, as (1.4) requires. The next cell checks these numbers.
+
+# %%
+three_b = np.array([[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]])
+three_c = np.array([0.5, 2.5])
+print("BᵀB:", (three_b.T @ three_b).tolist())
+print("BᵀV:", three_b.T @ three_values)
+print("BᵀB c:", three_b.T @ three_b @ three_c)
+print("residual:", three_b @ three_c - three_values)
+
+
+# %% [markdown]
 # ### 01.2 The coefficients
 #
-# Write a function that returns the coefficients $\mathbf{c}$ of the best fit.
+# *10 minutes.* Write a function that returns the coefficients $\mathbf{c}$ of the best fit.
 #
 # <details><summary>Hint</summary>
 #
-# You have `basis_matrix`. A linear system is solved by a function of `numpy.linalg`; no inverse
-# has to be formed.
+# You have `basis_matrix`. `numpy.linalg` has a function that solves a linear system; no inverse is
+# needed.
 #
 # </details>
 
 
-# %% question="01.2"
+# %% question="01.2" minutes=10
 def fit(points, values):
     """Return c of (1.4), of shape (D + 1,), for points (N, D) and values (N,)."""
     # BEGIN SOLUTION
@@ -132,12 +209,12 @@ check("01.2")
 # %% [markdown]
 # ### 01.3 The field
 #
-# Evaluate the field (1.1) at many places at once.
+# *5 minutes.* Evaluate the field (1.1) at many evaluation points at once.
 
 
-# %% question="01.3"
+# %% question="01.3" minutes=5
 def evaluate(coefficients, x):
-    """Return f of (1.1) at places x of shape (M, D), as an array of shape (M,)."""
+    """Return f of (1.1) at evaluation points x of shape (M, D), as an array of shape (M,)."""
     # BEGIN SOLUTION
     return basis_matrix(x) @ coefficients
     # END SOLUTION
@@ -147,11 +224,11 @@ def evaluate(coefficients, x):
 check("01.3")
 
 # %% [markdown]
-# ## Look at it
+# ## The fit of a curved field
 #
-# Now it is your functions that draw. The points are your own: they depend on the number in
-# `student.txt`. Lengthen the list of powers $n$ of the field $\phi(\mathbf{x}) = (x_1 + x_2)^n$ and
-# watch the plane.
+# The next picture is drawn with your functions. The points are your own: they depend on the number
+# in `student.txt`. The field is $\phi(\mathbf{x}) = (x_1 + x_2)^n$. Move the slider of the power
+# $n$, and compare the plane with the field.
 
 
 # %%
@@ -173,32 +250,53 @@ def plane_and_points(n):
 
 
 # %% [markdown]
-# **What to look at.** For $n = 1$ the field is affine, and the plane goes through every point. For
-# larger $n$ it cannot bend, so it errs one way in the middle and the other way at the corners. More
-# points do not help: they only make the best plane better known.
+# **What to look at.** For $n = 1$ the field is affine, and the plane passes through every point.
+# For larger $n$ the plane is too low at the corners and too high in the middle, since it cannot
+# bend. More points do not reduce this error, which is called the *bias* of the model.
 #
-# ### 01.4 When is the answer unique?
+# ## When is the solution unique?
 #
-# $\mathbf{B}^T\mathbf{B}$ can be inverted exactly if the columns of $\mathbf{B}$ are linearly
-# independent, that is, if its rank is $D+1$. Counting points is not enough.
+# The matrix $\mathbf{B}^T\mathbf{B}$ is invertible if and only if the columns of $\mathbf{B}$ are
+# linearly independent, that is, if $\mathbf{B}$ has rank $D+1$. Such a set of points is called
+# *unisolvent* for affine fields. Counting points is not enough: the three points $(0, 0)$, $(1,
+# 1)$, $(2, 2)$ of the plane lie on one line, and
 #
-# Write a function that returns the rank of $\mathbf{B}$. Points far from the origin must be judged
-# no differently from points close to it.
+# $$ \mathbf{B} = \begin{bmatrix} 1 & 0 & 0 \\ 1 & 1 & 1 \\ 1 & 2 & 2 \end{bmatrix} $$
 #
-# <details><summary>Hint</summary>
+# has rank 2, since its last two columns are equal.
 #
-# Moving all points together changes neither the plane through them nor the rank. What could you
-# subtract from them first?
+# ### 01.4 The rank
+#
+# *20 minutes.* Write a function that returns the rank of $\mathbf{B}$. The rank must depend neither
+# on the distance of the points from the origin nor on the unit of length.
+#
+# Rounding errors turn zero singular values into small ones. Count a singular value as zero if it is
+# smaller than $10^{-9}$ times the extent of the points. The extent is the largest difference
+# between two values of one coordinate.
+#
+# <details><summary>Hint 1</summary>
+#
+# A common translation of all points changes neither the fitted field nor the rank. Which vector can
+# you subtract from all points first? What is then the rank of the column of ones and the remaining
+# columns together?
+#
+# </details>
+#
+# <details><summary>Hint 2</summary>
+#
+# `np.linalg.matrix_rank(A, tol=t)` counts the singular values of `A` that are larger than `t`.
+# Without `tol` the limit is the rounding error of the entries of `A`. For points far from the
+# origin, the rounding errors of the coordinates are larger than this limit.
 #
 # </details>
 
 
-# %% question="01.4"
+# %% question="01.4" minutes=15
 def rank(points):
     """Return the rank of B for points of shape (N, D), a whole number from 1 to D + 1."""
     # BEGIN SOLUTION
     centered = points - points.mean(axis=0)
-    return 1 + np.linalg.matrix_rank(centered, tol=1e-9 * np.ptp(points))
+    return 1 + np.linalg.matrix_rank(centered, tol=1e-9 * np.ptp(points, axis=0).max())
     # END SOLUTION
 
 
@@ -206,14 +304,57 @@ def rank(points):
 check("01.4")
 
 # %% [markdown]
+# Below, twelve points lie in a strip. Their values are $x_1$ plus small errors of size 0.02. The
+# lines are level lines of your fit, 0.1 apart. Make the strip narrow.
+
+
+# %%
+@draw(width=Slider(1e-12, 1, 1, "width", logarithmic=True))
+def strip(width):
+    random = np.random.default_rng(4)
+    points = random.random((12, 2)) * np.array([1, width])
+    values = points[:, 0] + 0.02 * random.normal(size=12)
+    side = np.linspace(0, 1, 41)
+    grid = np.stack(np.meshgrid(side, side), axis=-1)
+    points[:, 1] += (1 - width) / 2
+    full = rank(points) == 3
+    with figure(4.2, 3.6) as page:
+        axes = page.subplots()
+        title = "rank 2: no unique plane"
+        if full:
+            c = fit(points, values)
+            heights = evaluate(c, grid.reshape(-1, 2)).reshape(41, 41)
+            levels = np.arange(-20, 21) / 10
+            axes.contour(side, side, heights, levels, colors=ORANGE, linewidths=1)
+            title = f"rank 3, slopes {c[1]:.2g} and {c[2]:.2g}"
+        axes.plot(*points.T, "o", color=BLUE)
+        axes.set(xlabel="$x_1$", ylabel="$x_2$", aspect="equal", title=title)
+        axes.set(xlim=(0, 1), ylim=(0, 1))
+    return page
+
+
+# %% [markdown]
+# **What to look at.** The right slopes are 1 and 0. In a narrow strip small errors of the values
+# produce a large slope across the strip. On a line this slope is not determined at all.
+#
+# The *condition number* of $\mathbf{B}$ is the ratio of its largest and its smallest singular
+# value. It bounds how much errors are magnified, and it is infinite if the rank is less than $D +
+# 1$. The condition number of $\mathbf{B}^T\mathbf{B}$ is the square of the condition number of
+# $\mathbf{B}$. So the normal equations lose twice as many digits to rounding as a solver that uses
+# $\mathbf{B}$ itself, such as `numpy.linalg.lstsq`.
+
+# %% [markdown]
+# ## Gradient and objective
+#
 # ### 01.5 The gradient
 #
-# What is the gradient of $f$ at many places? Differentiate (1.1) with pen and paper first.
+# *5 minutes.* Differentiate (1.1) on paper. Then return the gradient of $f$ at many evaluation
+# points.
 
 
-# %% question="01.5"
+# %% question="01.5" minutes=5
 def gradient(coefficients, x):
-    """Return the gradient of f at places x of shape (M, D), as an array of shape (M, D)."""
+    """Return the gradient of f at evaluation points x of shape (M, D), of shape (M, D)."""
     # BEGIN SOLUTION
     return np.tile(coefficients[1:], (len(x), 1))
     # END SOLUTION
@@ -223,12 +364,13 @@ def gradient(coefficients, x):
 check("01.5")
 
 # %% [markdown]
-# ### 01.6 What is minimised
+# ### 01.6 The objective
 #
-# Write $\psi$ of (1.3). With it you can see for yourself that no other plane does better.
+# *5 minutes.* Write the *objective* $\psi$ of (1.3), for any coefficients. In the example by hand
+# it is $\psi(\tfrac12, \tfrac52) = \tfrac12 (\tfrac14 + 1 + \tfrac14) = \tfrac34$.
 
 
-# %% question="01.6"
+# %% question="01.6" minutes=10
 def objective(points, values, coefficients):
     """Return ψ of (1.3), a number."""
     # BEGIN SOLUTION
@@ -243,27 +385,35 @@ check("01.6")
 
 # %%
 @draw()
-def valley():
+def minimum():
     random = np.random.default_rng(2)
     points, values = random.random((30, 2)), random.normal(size=30)
     best = fit(points, values)
     steps = np.linspace(-1, 1, 61)
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
-        for k, color in enumerate((BLUE, ORANGE, GREY)):
-            rows = [objective(points, values, best + t * np.eye(3)[k]) for t in steps]
-            axes.plot(steps, rows, color=color, label=f"$c_{k}$ changed")
-        axes.set(xlabel="change of one coefficient", ylabel=r"$\psi$")
+        for direction in random.normal(size=(12, 3)):
+            change = direction / np.linalg.norm(direction)
+            rows = [objective(points, values, best + t * change) for t in steps]
+            axes.plot(steps, rows, color=BLUE, lw=1)
+        axes.plot(0, objective(points, values, best), "o", color=ORANGE, label="your fit")
+        axes.set(xlabel=r"distance from $\mathbf{c}$ in coefficient space", ylabel=r"$\psi$")
         axes.legend()
     return page
 
 
 # %% [markdown]
+# **What to look at.** Each curve shows $\psi$ along a line through your coefficients, in one of
+# twelve random directions. All of them have their minimum at your fit. Each curve is a parabola,
+# since $\psi$ is a quadratic function of $\mathbf{c}$.
+
+# %% [markdown]
 # ## In words
 #
-# **01.7** What are the dimensions of $\mathbf{B}$, $\mathbf{c}$, $\mathbf{V}$ and
-# $\mathbf{B}^T\mathbf{B}$? Under which conditions is $\mathbf{B}\mathbf{c} = \mathbf{V}$
-# over-determined, and under which under-determined? Is it enough to count?
+# **01.7** When is $\mathbf{B}\mathbf{c} = \mathbf{V}$
+# over-determined, and when under-determined? Begin with the dimensions of $\mathbf{B}$,
+# $\mathbf{c}$, $\mathbf{V}$ and $\mathbf{B}^T\mathbf{B}$. Then give an example for which it is not
+# enough to compare the numbers of equations and unknowns.
 #
 # <details><summary>Hint</summary>
 #
@@ -271,29 +421,29 @@ def valley():
 #
 # </details>
 
-# %% [markdown] answer="01.7" points=3
+# %% [markdown] answer="01.7" points=3 minutes=10 words=80
 # $\mathbf{B}$ is $N \times (D+1)$, $\mathbf{c}$ has $D+1$ entries, $\mathbf{V}$ has $N$, and
 # $\mathbf{B}^T\mathbf{B}$ is $(D+1) \times (D+1)$. By counting, the system is over-determined for
 # $N > D+1$ and under-determined for $N < D+1$. Counting is not enough: the rank of $\mathbf{B}$ is
-# one more than the dimension of the smallest flat that holds all points. A hundred points on a line
-# of the plane give rank 2. The system is then over-determined along the line, where the data need
-# not agree, and under-determined across it, where any slope fits.
+# one more than the dimension of the affine hull of the points. A hundred points on a line of the
+# plane give rank 2. Then the system is over-determined along the line, where the data need not
+# agree. It is under-determined across the line, where any slope fits.
 
 # %% [markdown] rubric="01.7"
 # One point for the four dimensions. One for the two cases by counting. One for seeing that the
-# affine span decides: an example such as collinear points suffices.
+# affine hull decides: an example such as collinear points suffices.
 
 # %% [markdown]
-# **01.8** The slides call (1.4) the method of the *pseudo inverse*. For which $\mathbf{B}$ is
-# $(\mathbf{B}^T\mathbf{B})^{-1}\mathbf{B}^T$ the pseudo inverse, and what may go wrong otherwise?
+# **01.8** The notes call (1.4) the method of the
+# *pseudo-inverse* (page 5). For which $\mathbf{B}$ is $(\mathbf{B}^T\mathbf{B})^{-1}\mathbf{B}^T$
+# the pseudo-inverse, and what goes wrong for other $\mathbf{B}$?
 
-# %% [markdown] answer="01.8" points=2
-# If $\mathbf{B}$ has full column rank $D+1$, which is so exactly if the points are in no common
-# hyperplane: $\mathbf{c}^T\mathbf{B}^T\mathbf{B}\mathbf{c} = \lVert\mathbf{B}\mathbf{c}\rVert^2$
-# vanishes only for $\mathbf{c} = \mathbf{0}$ then. Otherwise the inverse does not exist, and
-# rounding may hide that: a solver returns large numbers without a warning. The pseudo inverse
-# itself still exists. It picks the coefficients of least norm, which depend on where the origin
-# lies, so they mean little.
+# %% [markdown] answer="01.8" points=2 minutes=10 words=50
+# If $\mathbf{B}$ has full column rank $D+1$, that is, if no hyperplane contains all points:
+# $\mathbf{c}^T\mathbf{B}^T\mathbf{B}\mathbf{c} = \lVert\mathbf{B}\mathbf{c}\rVert^2$ is then zero
+# for $\mathbf{c} = \mathbf{0}$ only. Otherwise the inverse does not exist, and rounding errors may
+# hide that: a solver returns large numbers without a warning. The pseudo-inverse itself still
+# exists. It selects the coefficients of least norm, which depend on the position of the origin.
 
 # %% [markdown] rubric="01.8"
 # One point for full column rank, with its meaning for the points. One for what goes wrong: no
@@ -302,10 +452,13 @@ def valley():
 # %% [markdown]
 # ## Dig deeper
 #
-# - The condition number of $\mathbf{B}^T\mathbf{B}$ is that of $\mathbf{B}$ squared. Move your
-#   points by $10^3, 10^4, \dots$ along both axes. At which offset is the last digit of `fit` gone?
-#   What does subtracting the mean of the points first change?
-# - Compare `fit` with `numpy.linalg.lstsq`. Which of the two notices collinear points?
+# - *Lost digits.* Move your points by $10^3, 10^4, \dots$ along both axes. At which offset has
+#   `fit` lost all its digits? Subtract the mean of the points first. What changes?
+# - *A second solver.* Compare `fit` with `numpy.linalg.lstsq`. Which of the two reports collinear
+#   points?
+# - *A curved model.* Add the columns $x_1^2$, $x_1 x_2$ and $x_2^2$ to $\mathbf{B}$. For which
+#   points of the plane does the new matrix have rank less than 6? (Search for: conic through five
+#   points.)
 
 # %%
 progress()

@@ -1,5 +1,10 @@
 # ---
 # jupyter:
+#   course:
+#     builds_on:
+#       "01": the matrix of the basis, its rank, and the normal equations
+#     pages: slides, pages 8–10 and 40
+#     chapters: [03-moving-least-squares]
 #   jupytext:
 #     text_representation:
 #       extension: .py
@@ -13,15 +18,19 @@
 # %% [markdown]
 # # Moving least squares
 #
-# One plane through all measurements cannot bend. Moving least squares fits a plane of its own at
-# every place, and lets the measurements nearby count most. By the end of this notebook you have
-# written the method, you know its gradient, which is not the one that first comes to mind, and you
-# have found out how to choose its one parameter, and how not to.
+# One plane cannot follow a curved field. *Moving least squares* fits another plane at every
+# evaluation point, with large weights for the measurements nearby. In this notebook you write the
+# method and its gradient, and you learn how to choose its parameter, the length $\varepsilon$.
+#
+# Part 1 is the core: the method and its gradient. Part 2 is a second sitting, on accuracy and on
+# the choice of $\varepsilon$.
+#
+# **Search for**: moving least squares, LOESS (the same method in statistics), diffuse derivative,
+# leave-one-out cross-validation. **Read**: Wendland, *Scattered Data Approximation*, chapter 4;
+# Hastie, Tibshirani and Friedman, *The Elements of Statistical Learning*, chapters 6 and 7.
 #
 # Each question asks for a function. Write it, run its cell, and run the check below it. The check
-# tells you whether it is right and, if it is not, what kind of mistake it may be. You need nothing
-# from other notebooks. There are seven functions of one to eight lines, and three questions in
-# words.
+# reports whether the function is right and, if it is not, which mistake is likely.
 
 # %% tags=["setup"]
 import numpy as np
@@ -33,26 +42,28 @@ from fieldcheck import (
     ORANGE,
     PURPLE,
     Slider,
+    case,
     check,
     data,
     draw,
     figure,
     progress,
     start_over,
+    terrain,
 )
 
 # %% [markdown]
-# ## The problem in a picture
+# # Part 1: the method and its gradient
 #
-# The dots are measurements of a wave. The grey line is the straight line that fits all of them
-# best. Somebody asks for the value at the dotted line. Move the place, and watch the orange line,
-# which was fitted to the eight nearest measurements only.
-
+# ## Local fits
+#
+# The dots are measurements of a wave. The grey straight line fits all of them. The orange line fits
+# only the eight points that are nearest to the dotted line $x$. Move $x$.
 
 # %%
 BESIDE = {"loc": "center left", "bbox_to_anchor": (1, 0.5)}
 VALUES = {"ylabel": r"value $\phi$", "ylim": (-0.8, 1.7)}
-UNIT = {"xlabel": "place $x$", "xlim": (-0.02, 1.02)}
+UNIT = {"xlabel": "$x$", "xlim": (-0.02, 1.02)}
 TRUTH = {"color": GREY, "lw": 4, "alpha": 0.4}
 SQUARE = {"xlabel": "$x_1$", "ylabel": "$x_2$", "aspect": "equal"}
 
@@ -62,76 +73,81 @@ def wave(t):
 
 
 def measured(number, noise=0.0):
-    """Places of shape (number, 1) on the unit interval, and values there."""
+    """Return random points (number, 1) of the unit interval, and the values there."""
     random = np.random.default_rng(7)
     t = random.random(number)
     return t[:, np.newaxis], wave(t) + noise * random.normal(size=number)
 
 
-@draw(place=Slider(0, 1, 0.45, "place"))
-def the_problem(place):
+@draw(x=Slider(0, 1, 0.45, "x"))
+def the_problem(x):
     points, values = measured(40, 0.05)
     t = points[:, 0]
-    near = np.argsort(np.abs(t - place))[:8]
-    side, short = np.array([0, 1]), place + np.array([-0.15, 0.15])
+    near = np.argsort(np.abs(t - x))[:8]
+    side, short = np.array([0, 1]), x + np.array([-0.15, 0.15])
     everywhere = np.polyfit(t, values, 1)
     nearby = np.polyfit(t[near], values[near], 1)
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
-        axes.axvline(place, color="black", ls=":", lw=1)
+        axes.axvline(x, color="black", ls=":", lw=1)
         axes.plot(t, values, "o", ms=4, color=BLUE, label="measured")
         axes.plot(t[near], values[near], "o", color=ORANGE, label="eight nearest")
-        axes.plot(side, np.polyval(everywhere, side), color=GREY, label="line for all")
-        axes.plot(short, np.polyval(nearby, short), color=ORANGE)
+        axes.plot(side, np.polyval(everywhere, side), color=GREY, label="fit of all")
+        axes.plot(short, np.polyval(nearby, short), color=ORANGE, label="fit of eight")
         axes.set(**UNIT, **VALUES)
         axes.legend(**BESIDE)
     return page
 
 
 # %% [markdown]
-# **What to look at.** The orange line is good where it is asked for, and nowhere else. But it
-# jumps: whenever another measurement becomes one of the eight nearest, the fit changes at once. A
-# field made like this is torn in many places. It would be better if measurements came in and went
-# out gradually.
+# **What to look at.** The orange line is accurate near $x$, and nowhere else. But it jumps whenever
+# another measurement becomes one of the eight nearest, so the resulting field is discontinuous.
+# Weights that decrease smoothly with the distance avoid these jumps.
 
 # %% [markdown]
-# ## The idea
+# ## Weights
 #
-# Let $\mathbf{p}_1, \dots, \mathbf{p}_N \in \mathbb{R}^D$ be the points where something was
-# measured and $\phi_1, \dots, \phi_N$ the values. An *affine* field is
+# Let $\mathbf{p}_1, \dots, \mathbf{p}_N \in \mathbb{R}^D$ be the points of the measurements, and
+# $\phi_1, \dots, \phi_N$ the values. An *affine* field is
 #
 # $$ f(\mathbf{x}) = \mathbf{b}(\mathbf{x})^T \mathbf{c}, \qquad
 #    \mathbf{b}(\mathbf{x}) = (1, x_1, \dots, x_D)^T, \qquad
 #    \mathbf{c} = (c_0, c_1, \dots, c_D)^T. \tag{2.1} $$
 #
-# That it takes the values at the points are $N$ equations $\mathbf{B}\mathbf{c} = \mathbf{V}$, a
-# row for each point:
+# The conditions $f(\mathbf{p}_i) = \phi_i$ are $N$ equations $\mathbf{B}\mathbf{c} = \mathbf{V}$,
+# with a row for each point:
 #
 # $$ \mathbf{B} = \begin{bmatrix} \mathbf{b}(\mathbf{p}_1)^T \\ \vdots \\ \mathbf{b}(\mathbf{p}_N)^T
 #    \end{bmatrix}, \qquad
 #    \mathbf{V} = \begin{bmatrix} \phi_1 \\ \vdots \\ \phi_N \end{bmatrix}. \tag{2.2} $$
 #
-# *Least squares* treats these equations alike. *Moving least squares* fixes a place $\mathbf{x}$
-# and multiplies the $i$-th equation by a weight, which is the larger the closer $\mathbf{p}_i$ is
-# to $\mathbf{x}$. We take
+# Least squares gives all equations the same weight. Moving least squares fixes an evaluation point
+# $\mathbf{x}$ and multiplies equation $i$ by a weight that decreases with the distance of
+# $\mathbf{p}_i$ from $\mathbf{x}$:
 #
 # $$ w_i(\mathbf{x}) = \frac{1}{r_i^2 + \varepsilon^2}, \qquad
 #    r_i = \lVert \mathbf{x} - \mathbf{p}_i \rVert, \tag{2.3} $$
 #
-# where $\varepsilon > 0$ is a length that we choose. At $r = \varepsilon$ the weight is half of
-# what it is at $r = 0$.
+# where $\varepsilon > 0$ is a length that we choose. At $r = \varepsilon$ the weight is half of its
+# value at $r = 0$.
+#
+# ### Example: three weights, by hand
+#
+# Take the points $0, 1, 2$ on a line, the values $1, 2, 6$, the evaluation point $x = 1$ and
+# $\varepsilon = 1$. The distances are $1, 0, 1$, and (2.3) gives the weights
+# $\tfrac12, 1, \tfrac12$.
 
 # %% [markdown]
 # ### 02.1 The weights
 #
-# Write the weights of all points at one place.
+# Write a function that returns the weights of all points for one evaluation point.
 
 
-# %% question="02.1"
+# %% question="02.1" minutes=15
 def weights(points, x, epsilon):
     """Return w_1 … w_N of (2.3), of shape (N,).
 
-    The points have the shape (N, D), the place x has (D,), and ε is a number.
+    The points have the shape (N, D), the evaluation point x has (D,), and ε is a number.
     """
     # BEGIN SOLUTION
     return 1 / (np.sum((points - x) ** 2, axis=1) + epsilon**2)
@@ -142,8 +158,9 @@ def weights(points, x, epsilon):
 check("02.1")
 
 # %% [markdown]
-# From here on the pictures are drawn with your functions. On the right are a hundred points of your
-# own: they depend on what is written in `student.txt`. The area of a dot is its weight.
+# The following pictures are drawn with your functions. On the right are a hundred points of your
+# own: they depend on the number in `student.txt`. The area of a dot is proportional to its weight
+# at the cross.
 
 
 # %%
@@ -177,7 +194,7 @@ def who_counts(epsilon, x1, x2):
 
 
 # %% [markdown]
-# ## The fit at one place
+# ## The weighted fit at one evaluation point
 #
 # With the diagonal matrix $\mathbf{W}(\mathbf{x}) = \operatorname{diag}(w_1, \dots, w_N)$ the
 # weighted equations are
@@ -185,31 +202,55 @@ def who_counts(epsilon, x1, x2):
 # $$ \mathbf{W}(\mathbf{x})\,\mathbf{B}\,\mathbf{c} = \mathbf{W}(\mathbf{x})\,\mathbf{V}. \tag{2.4}
 #    $$
 #
-# There are more of them than unknowns. Multiplying both sides by $(\mathbf{W}\mathbf{B})^T$ gives
-# the *normal equations*, which have as many equations as unknowns:
+# There are usually more equations than unknowns. Multiplying both sides by
+# $(\mathbf{W}\mathbf{B})^T$ gives the *normal equations*:
 #
 # $$ \underbrace{\mathbf{B}^T\,\mathbf{W}(\mathbf{x})^2\,\mathbf{B}}_{\mathbf{H}(\mathbf{x})}\;
 #    \mathbf{c}(\mathbf{x}) = \mathbf{B}^T\,\mathbf{W}(\mathbf{x})^2\,\mathbf{V}. \tag{2.5} $$
 #
-# Mind the square: a point counts by $w_i^2$, the dashed curve above. Many books write $\mathbf{W}$
-# where (2.5) has $\mathbf{W}^2$. Both are called moving least squares, and their numbers differ.
+# The weights enter squared: the influence of a point is $w_i^2$, the dashed curve above. Many books
+# write $\mathbf{W}$ where (2.5) has $\mathbf{W}^2$. Both methods are called moving least squares,
+# and their results differ.
+#
+# ### Example: the weighted fit, by hand
+#
+# For the three points of the example the squared weights are $\tfrac14, 1, \tfrac14$. Equation
+# (2.5) is
+#
+# $$ \begin{bmatrix} \tfrac32 & \tfrac32 \\ \tfrac32 & 2 \end{bmatrix}
+#    \begin{bmatrix} c_0 \\ c_1 \end{bmatrix} = \begin{bmatrix} \tfrac{15}{4} \\ 5 \end{bmatrix}. $$
+#
+# The difference of the two equations is $\tfrac12 c_1 = \tfrac54$. So $c_1 = \tfrac52$, $c_0 = 0$,
+# and the value at $x = 1$ is $c_0 + c_1 = \tfrac52$. Plain least squares has the value 3 there
+# (notebook 01). The measured value at this point is 2, so the weighted fit is closer to it. The
+# next cell checks these numbers.
+
+# %%
+three_b = np.array([[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]])
+three_values = np.array([1.0, 2.0, 6.0])
+three_squares = np.array([0.25, 1.0, 0.25])
+three_h = (three_b.T * three_squares) @ three_b
+print("H:", three_h.tolist())
+print("right-hand side:", (three_b.T * three_squares) @ three_values)
+print("H c for c = (0, 5/2):", three_h @ np.array([0.0, 2.5]))
+
 
 # %% [markdown]
 # ### 02.2 The coefficients
 #
-# Write a function that solves (2.5) for weights that are given. It does not need to know where they
-# come from.
+# Write a function that solves (2.5) for given weights.
 #
 # <details><summary>Hint</summary>
 #
-# Build $\mathbf{B}$ first: a column of ones, then the columns of the points. The $N \times N$
-# matrix $\mathbf{W}$ need not be built. What does multiplying by a diagonal matrix do to each row?
-# NumPy does the same by broadcasting.
+# Build $\mathbf{B}$ first: a column of ones, then the columns of the points. Avoid the $N \times N$
+# matrix $\mathbf{W}$. Multiplication by a diagonal matrix from the left multiplies each row by a
+# number. NumPy does the same by broadcasting: an array of shape $(N, 1)$ multiplies the rows of an
+# array of shape $(N, D + 1)$.
 #
 # </details>
 
 
-# %% question="02.2"
+# %% question="02.2" minutes=15
 def weighted_fit(points, values, w):
     """Return c of (2.5), of shape (D + 1,).
 
@@ -226,107 +267,94 @@ def weighted_fit(points, values, w):
 check("02.2")
 
 # %% [markdown]
-# With all weights equal this is plain least squares, the grey line. With yours of 02.1 it is the
-# orange line, which belongs to one place. Move the place, then change $\varepsilon$.
+# With equal weights the fit is plain least squares, the grey line. With your weights of 02.1 it is
+# the orange line, which belongs to one evaluation point $x$. Move $x$, then change $\varepsilon$.
 
 
 # %%
 @draw(
-    place=Slider(0, 1, 0.45, "place"),
+    x=Slider(0, 1, 0.45, "x"),
     epsilon=Slider(0.01, 2, 0.05, "ε", logarithmic=True),
 )
-def line_at_a_place(place, epsilon):
+def line_at_a_point(x, epsilon):
     points, v = measured(40, 0.05)
-    here = weights(points, np.array([place]), epsilon)
+    here = weights(points, np.array([x]), epsilon)
     plain, local = (weighted_fit(points, v, w) for w in (np.ones(40), here))
-    side, value = np.array([0, 1]), local[0] + local[1] * place
+    side, value = np.array([0, 1]), local[0] + local[1] * x
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
-        axes.axvline(place, color="black", ls=":", lw=1)
+        axes.axvline(x, color="black", ls=":", lw=1)
         axes.scatter(points[:, 0], v, s=8, color=BLUE)
         area = 120 * (here / here.max()) ** 2
         axes.scatter(points[:, 0], v, s=area, color=BLUE, alpha=0.5, lw=0)
         axes.plot(side, plain[0] + plain[1] * side, color=GREY, label="equal weights")
-        axes.plot(side, local[0] + local[1] * side, color=ORANGE, label="yours, at $x$")
-        axes.plot(place, value, "o", ms=8, color=ORANGE, label=r"$f(x)$")
+        axes.plot(side, local[0] + local[1] * side, color=ORANGE, label="your fit at $x$")
+        axes.plot(x, value, "o", ms=8, color=ORANGE, label=r"$f(x)$")
         axes.set(**UNIT, **VALUES)
         axes.legend(**BESIDE)
     return page
 
 
 # %% [markdown]
-# **What to look at.** As the place moves the orange line turns smoothly; it no longer jumps. Nearly
-# all of the fit comes from points within a few $\varepsilon$, or from the nearest few where
-# $\varepsilon$ is small. For large $\varepsilon$ all weights are nearly equal and orange becomes
-# grey.
+# **What to look at.** As $x$ moves, the orange line rotates smoothly and does not jump. Points
+# within a few $\varepsilon$ of $x$ dominate the fit. If $\varepsilon$ is smaller than the spacing
+# of the points, the few nearest points dominate. For large $\varepsilon$ all weights are nearly
+# equal, and the orange line approaches the grey one.
 
 # %% [markdown]
 # ### In words
 #
-# **02.3** What are the dimensions of the matrix $\mathbf{H}(\mathbf{x})$ in (2.5), and what do they
-# not depend on? Under which conditions on the points and the weights is it non-singular? Prove it.
-# Then think of the computer: what happens to $\mathbf{H}(\mathbf{p}_1)$, at one of the points
-# itself, if $\varepsilon$ is made very small?
+# **02.3** For which points $\mathbf{p}_1, \dots, \mathbf{p}_N$ is the matrix
+# $\mathbf{H}(\mathbf{x})$ of (2.5) non-singular, with the weights (2.3)? Begin with the dimensions
+# of $\mathbf{H}$, and prove your answer.
 #
 # <details><summary>Hint</summary>
 #
-# When is $\mathbf{H}\mathbf{c} = \mathbf{0}$? Look at $\mathbf{c}^T\mathbf{H}\mathbf{c}$, and write
-# it as the square of a length.
-#
-# </details>
-#
-# <details><summary>Hint for the second part</summary>
-#
-# How large is the largest weight at $\mathbf{p}_1$, and how large are the others? They enter
-# squared, and a floating-point number has sixteen digits.
+# When is $\mathbf{H}\mathbf{c} = \mathbf{0}$? Write $\mathbf{c}^T\mathbf{H}\mathbf{c}$ as the
+# square of a norm.
 #
 # </details>
 
-# %% [markdown] answer="02.3" points=4
-# $\mathbf{H}$ is $(D+1) \times (D+1)$: as large as the basis, however many points there are. It is
-# symmetric, and $\mathbf{c}^T\mathbf{H}\mathbf{c} = \lVert \mathbf{W}\mathbf{B}\mathbf{c} \rVert^2
-# \ge 0$. If $\mathbf{H}\mathbf{c} = \mathbf{0}$ this is zero, so $\mathbf{W}\mathbf{B}\mathbf{c} =
-# \mathbf{0}$. All weights of (2.3) are positive, $\mathbf{W}$ can be inverted, and
+# %% [markdown] answer="02.3" points=4 minutes=15 words=100
+# $\mathbf{H}$ is $(D+1) \times (D+1)$, for any number of points. It is symmetric, and
+# $\mathbf{c}^T\mathbf{H}\mathbf{c} = \lVert \mathbf{W}\mathbf{B}\mathbf{c} \rVert^2 \ge 0$. If
+# $\mathbf{H}\mathbf{c} = \mathbf{0}$ this is zero, so $\mathbf{W}\mathbf{B}\mathbf{c} =
+# \mathbf{0}$. All weights of (2.3) are positive, so $\mathbf{W}$ is invertible, and
 # $\mathbf{B}\mathbf{c} = \mathbf{0}$ follows: the affine field with coefficients $\mathbf{c}$
-# vanishes at every point. For $\mathbf{c} \neq \mathbf{0}$ the zeros of an affine field lie in one
-# hyperplane, or there are none. So $\mathbf{H}$ is non-singular exactly if the points do not all
-# lie in a hyperplane: on a line for $D = 2$, in a plane for $D = 3$. At least $D + 1$ points are
-# needed. The place $\mathbf{x}$ has no part in it. With weights that vanish beyond some distance
-# only the points that still count at $\mathbf{x}$ matter, and $\mathbf{H}$ may be regular at one
-# place and singular at another.
-#
-# At $\mathbf{p}_1$ the largest squared weight is $\varepsilon^{-4}$, those of points at distance
-# $R$ are about $R^{-4}$. Their ratio is $(R/\varepsilon)^4$, which for $\varepsilon = 10^{-4} R$ is
-# $10^{16}$. Adding up $\mathbf{H}$ in floating-point numbers then loses all points but one, and one
-# point does not determine a plane: what is singular is not $\mathbf{H}$ but what is left of it. The
-# solver may return large wrong numbers without a word.
+# vanishes at every point. For $\mathbf{c} \neq \mathbf{0}$ the zeros of an affine field form a
+# hyperplane, or there are none. So $\mathbf{H}$ is non-singular if and only if no hyperplane
+# contains all points: no line for $D = 2$, no plane for $D = 3$. At least $D + 1$ points are
+# needed. The evaluation point $\mathbf{x}$ has no influence. With weights that vanish beyond some
+# distance only the points with positive weight would count, and the answer would depend on
+# $\mathbf{x}$.
 
 # %% [markdown] rubric="02.3"
-# One point for the dimensions, independent of $N$. Two for the condition, that the points do not
-# lie in a hyperplane: one for the statement, one for the proof, which must use that the weights are
-# positive. One for the ratio of the weights and its effect on rounding; the power four, or a
-# number, should be there.
+# One point for the dimensions, independent of $N$. Two for the condition that no hyperplane
+# contains all points: one for the statement, one for the proof. One for using that all weights are
+# positive, so that the evaluation point has no influence.
 
 # %% [markdown]
 # ## The field
 #
-# The coefficients $\mathbf{c}(\mathbf{x})$ belong to the place $\mathbf{x}$, and there the field is
+# The coefficients $\mathbf{c}(\mathbf{x})$ belong to the evaluation point $\mathbf{x}$, where the
+# field has the value
 #
 # $$ f(\mathbf{x}) = \mathbf{b}(\mathbf{x})^T \mathbf{c}(\mathbf{x}). \tag{2.6} $$
 #
-# To know it at another place, a new system must be solved. This is what moves in moving least
-# squares.
+# Each further evaluation point requires the solution of another system. This is the meaning of
+# *moving* in the name of the method.
 #
-# ### 02.4 At many places
+# ### 02.4 The field at many evaluation points
 #
-# Write a function that evaluates (2.6) at $M$ places. A loop over the places is fine.
+# Write a function that evaluates (2.6) at $M$ evaluation points. A loop over the
+# evaluation points is fine.
 
 
-# %% question="02.4"
+# %% question="02.4" minutes=20
 def field(points, values, x, epsilon):
-    """Return f of (2.6) at M places x, of shape (M,).
+    """Return f of (2.6) at M evaluation points x, of shape (M,).
 
-    The places have the shape (M, D), the points (N, D) and the values (N,).
+    The evaluation points have the shape (M, D), the points (N, D) and the values (N,).
     """
     # BEGIN SOLUTION
     result = []
@@ -365,12 +393,13 @@ def curve(epsilon, number, noise):
 # %% [markdown]
 # **What to look at.**
 #
-# - Without noise, make $\varepsilon$ small. Does the curve go *through* the points, or only close
-#   to them? Make it large: to which curve does it tend?
-# - Give it four points, then eighty. How does the error change where the points are dense?
-# - Now add noise, and look for an $\varepsilon$ that you like. Remember it: we come back to this.
+# - Without noise, make $\varepsilon$ small. Does the curve pass *through* the points, or only close
+#   to them? Make $\varepsilon$ large. Which curve does the field approach?
+# - Take four points, then eighty. How does the error change where the points are dense?
+# - Now add noise, and note an $\varepsilon$ for which the curve is close to the truth. Part 2 comes
+#   back to this choice.
 #
-# The same in the plane, with your own points (the dots) and the field
+# The next picture shows the same in the plane, with your own points (the dots) and the field
 # $\phi(\mathbf{x}) = (x_1 + x_2)^n$: the truth, least squares, and your field.
 
 
@@ -404,27 +433,30 @@ def maps(n, epsilon):
 
 
 # %% [markdown]
-# ## What is minimised
+# ## The objective
 #
-# Equations that cannot all hold have an error. For (2.4) it is $\mathbf{e} =
-# \mathbf{W}(\mathbf{x})\mathbf{B}\mathbf{c} - \mathbf{W}(\mathbf{x})\mathbf{V}$, and half its
-# squared length is
+# The residual of (2.4) is $\mathbf{e} = \mathbf{W}(\mathbf{x})\mathbf{B}\mathbf{c} -
+# \mathbf{W}(\mathbf{x})\mathbf{V}$. Half of its squared norm is
 #
 # $$ \psi(\mathbf{c}; \mathbf{x})
 #    = \tfrac{1}{2} \lVert \mathbf{W}(\mathbf{x})(\mathbf{B}\mathbf{c} - \mathbf{V}) \rVert^2
 #    = \tfrac{1}{2} \sum_{i=1}^N w_i(\mathbf{x})^2
 #      \left( \mathbf{b}(\mathbf{p}_i)^T \mathbf{c} - \phi_i \right)^2. \tag{2.7} $$
 #
+# There is one such function for each evaluation point $\mathbf{x}$. For the example by hand the
+# residual $\mathbf{B}\mathbf{c} - \mathbf{V}$ is $(-1, \tfrac12, -1)$, and $\psi = \tfrac12
+# (\tfrac14 + \tfrac14 + \tfrac14) = \tfrac38$.
+#
 # ### 02.5 The objective
 #
-# Write $\psi$ for any coefficients, not only the best ones.
+# Write $\psi$ for any coefficients, not only for the best ones.
 
 
-# %% question="02.5"
+# %% question="02.5" minutes=10
 def objective(points, values, x, epsilon, coefficients):
     """Return ψ(c; x) of (2.7), a number.
 
-    The place x has the shape (D,), the coefficients c have (D + 1,).
+    The evaluation point x has the shape (D,), the coefficients c have (D + 1,).
     """
     # BEGIN SOLUTION
     residual = coefficients[0] + points @ coefficients[1:] - values
@@ -436,31 +468,30 @@ def objective(points, values, x, epsilon, coefficients):
 check("02.5")
 
 # %% [markdown]
-# On a line there are two coefficients, so $\psi$ is a landscape over a plane. Below, the left
-# picture shows its level lines. A straight line is told there by its value at $x$, which is $c_0 +
-# c_1 x$, and its slope $c_1$. The dot is what your `weighted_fit` returns, and the thin curve is
-# the way that the dot takes as the place goes from 0 to 1. Move the place.
+# On a line there are two coefficients, so $\psi$ is a function of two variables. The left picture
+# shows its level lines. Its axes are the value $c_0 + c_1 x$ and the slope $c_1$ of a straight
+# line. The dot is the result of your `weighted_fit`. The thin curve is the path of the dot as $x$
+# goes from 0 to 1. Move $x$.
 
 
 # %%
 @draw(
-    place=Slider(0, 1, 0.45, "place"),
+    x=Slider(0, 1, 0.45, "x"),
     epsilon=Slider(0.01, 2, 0.05, "ε", logarithmic=True),
 )
-def valley(place, epsilon):
+def valley(x, epsilon):
     points, v = measured(40, 0.05)
-    x = np.array([place])
 
     def best(at):
         return weighted_fit(points, v, weights(points, np.array([at]), epsilon))
 
-    lowest = best(place)
-    places = np.linspace(0, 1, 101)
-    lines = np.array([best(at) for at in places])
+    lowest = best(x)
+    path = np.linspace(0, 1, 101)
+    lines = np.array([best(at) for at in path])
 
     def height(value, slope):
-        line = np.array([value - slope * place, slope])
-        return objective(points, v, x, epsilon, line)
+        line = np.array([value - slope * x, slope])
+        return objective(points, v, np.array([x]), epsilon, line)
 
     value, slope = np.linspace(-1, 2, 121), np.linspace(-12, 12, 61)
     heights = [[height(a, b) for a in value] for b in slope]
@@ -469,107 +500,137 @@ def valley(place, epsilon):
         left, right = page.subplots(1, 2)
         levels = np.min(heights) * 2.0 ** np.arange(1, 16)
         left.contour(value, slope, heights, levels, norm="log", linewidths=0.9)
-        left.plot(lines[:, 0] + places * lines[:, 1], lines[:, 1], color=GREY, lw=1)
-        left.plot(lowest[0] + place * lowest[1], lowest[1], "o", ms=8, color=ORANGE)
+        left.plot(lines[:, 0] + path * lines[:, 1], lines[:, 1], color=GREY, lw=1)
+        left.plot(lowest[0] + x * lowest[1], lowest[1], "o", ms=8, color=ORANGE)
         left.set(xlabel="value at $x$", ylabel="slope $c_1$")
         left.set_title(r"$\psi(\mathbf{c}; x)$, level lines")
-        right.axvline(place, color="black", ls=":", lw=1)
+        right.axvline(x, color="black", ls=":", lw=1)
         right.plot(points[:, 0], v, ".", color=BLUE)
         right.plot(side, lowest[0] + lowest[1] * side, color=ORANGE)
-        right.set(**UNIT, **VALUES, title="its lowest point")
+        right.set(**UNIT, **VALUES, title="the line of the minimum")
     return page
 
 
 # %% [markdown]
-# **What to look at.** There is one valley and one lowest point, wherever the place is. The valley
-# is long in one direction: lines with the same value at $x$ and another slope are nearly as good,
-# since only what happens close to $x$ counts. What does the valley look like for a large
-# $\varepsilon$?
+# **What to look at.** For every $x$ the function has one minimum, at the bottom of a long valley.
+# The valley is long because lines with the same value at $x$ and another slope are nearly as good:
+# only points close to $x$ have large weights. How does the valley change for a large $\varepsilon$?
 #
 # ### In words
 #
-# **02.6** What has (2.5) to do with optimisation? Derive it from (2.7). Show that its solution is
-# where $\psi$ is smallest, and not just stationary. Is there *one* such problem, as in least
-# squares?
+# **02.6** Show that the solution of (2.5) is
+# the only minimum of $\psi(\mathbf{c}; \mathbf{x})$ with respect to $\mathbf{c}$, if
+# $\mathbf{H}(\mathbf{x})$ is non-singular.
 #
 # <details><summary>Hint</summary>
 #
-# Compute the gradient of $\psi$ with respect to $\mathbf{c}$, with $\mathbf{x}$ held fixed, and
-# then the matrix of second derivatives. You have met that matrix.
+# Compute the gradient of $\psi$ with respect to $\mathbf{c}$ for a fixed $\mathbf{x}$, then the
+# matrix of its second derivatives. You know this matrix.
 #
 # </details>
 
-# %% [markdown] answer="02.6" points=3
+# %% [markdown] answer="02.6" points=3 minutes=10 words=50
 # With $\mathbf{x}$ fixed, $\psi$ is a quadratic function of $\mathbf{c}$. Its gradient is
 # $\nabla_{\mathbf{c}}\psi = (\mathbf{W}\mathbf{B})^T(\mathbf{W}\mathbf{B}\mathbf{c} -
 # \mathbf{W}\mathbf{V}) = \mathbf{B}^T\mathbf{W}^2(\mathbf{B}\mathbf{c} - \mathbf{V})$, because
-# $\mathbf{W}$ is diagonal. Where it vanishes, (2.5) holds. The second derivatives are the matrix
-# $\mathbf{H} = \mathbf{B}^T\mathbf{W}^2\mathbf{B}$, which is positive semi-definite, so $\psi$ is
-# convex, and a point where the gradient vanishes is a global minimum. It is the only one if
-# $\mathbf{H}$ is non-singular, for then $\psi(\mathbf{c}^* + \mathbf{d}) = \psi(\mathbf{c}^*) +
-# \tfrac12 \mathbf{d}^T\mathbf{H}\mathbf{d} > \psi(\mathbf{c}^*)$ for every $\mathbf{d} \neq
-# \mathbf{0}$.
-#
-# There is not one problem but one for each place $\mathbf{x}$, without constraints and with $D+1$
-# unknowns. The field is made of the minimisers of all of them, $f(\mathbf{x}) =
-# \mathbf{b}(\mathbf{x})^T \operatorname{arg\,min}_{\mathbf{c}} \psi(\mathbf{c}; \mathbf{x})$; no
-# single $\mathbf{c}$ belongs to it.
+# $\mathbf{W}$ is diagonal. It is zero if and only if (2.5) holds. The matrix of second derivatives
+# is $\mathbf{H} = \mathbf{B}^T\mathbf{W}^2\mathbf{B}$, which is positive semi-definite. So $\psi$
+# is convex, and a zero of the gradient is a global minimum. It is the only one if $\mathbf{H}$ is
+# non-singular, for then $\psi(\mathbf{c}^* + \mathbf{d}) = \psi(\mathbf{c}^*) + \tfrac12
+# \mathbf{d}^T\mathbf{H}\mathbf{d} > \psi(\mathbf{c}^*)$ for every $\mathbf{d} \neq \mathbf{0}$.
 
 # %% [markdown] rubric="02.6"
 # One point for the gradient, with the square of $\mathbf{W}$ explained. One for convexity, or the
-# completed square. One for seeing that each place has a problem of its own.
+# completed square. One for uniqueness: $\mathbf{H}$ is positive definite if it is non-singular.
 
 # %% [markdown]
 # ## The gradient
 #
-# Often it is not $f$ that is wanted but its slope: a force is the gradient of a pressure. By the
-# product rule, (2.6) has
+# A force is the gradient of a pressure, so we often need the gradient of $f$ and not $f$ itself. By
+# the product rule, (2.6) has
 #
 # $$ \frac{\partial f}{\partial x_k} = c_k(\mathbf{x}) +
 #    \mathbf{b}(\mathbf{x})^T \frac{\partial \mathbf{c}}{\partial x_k}(\mathbf{x}). \tag{2.8} $$
 #
-# The first term is the slope of the plane that was fitted. It is tempting to stop there. But the
-# plane turns while $\mathbf{x}$ moves, and the second term says how that changes the value.
+# The first term is the slope of the fitted plane, the *diffuse derivative*. It is not the
+# derivative of $f$: the coefficients of the plane change with $\mathbf{x}$ too, and the second term
+# is the effect of this change.
 #
-# Take pen and paper. Differentiate both sides of (2.5) by $x_k$. Neither $\mathbf{B}$ nor
-# $\mathbf{V}$ depends on $\mathbf{x}$; of $\mathbf{W}^2$ each entry $w_i^2$ does, by (2.3). Bring
-# everything but $\mathbf{H}\,\partial\mathbf{c}/\partial x_k$ to the right.
+# Differentiate both sides of (2.5) by $x_k$ on paper. Neither $\mathbf{B}$ nor $\mathbf{V}$ depends
+# on $\mathbf{x}$. In $\mathbf{W}^2$ each entry $w_i^2$ does, by (2.3). Bring everything except
+# $\mathbf{H}\,\partial\mathbf{c}/\partial x_k$ to the right-hand side.
 #
-# ### 02.7 The gradient at many places
+# ### A finished function: central differences
 #
-# Write the gradient of $f$. It is the true derivative of the function that you wrote in 02.4, not a
-# difference quotient and not the first term alone.
+# Every gradient should be tested by differences before it is used. The *central difference* of $f$
+# in the direction of coordinate $k$ is
+#
+# $$ \frac{f(\mathbf{x} + h\mathbf{e}_k) - f(\mathbf{x} - h\mathbf{e}_k)}{2h}
+#    = \frac{\partial f}{\partial x_k}(\mathbf{x}) + O(h^2). $$
+#
+# For $g(\mathbf{x}) = x_1^2 x_2$ at $\mathbf{x} = (1, 2)$ the gradient is
+# $(2 x_1 x_2, x_1^2) = (4, 1)$. With $h = 0.1$ the first central difference is
+# $(1.1^2 \cdot 2 - 0.9^2 \cdot 2)/0.2 = 4$. The function below is finished; imitate its style.
+
+
+# %%
+def differences(f, x, h):
+    """Return central differences of f with step h at M points x, of shape (M, D).
+
+    The points have the shape (M, D). The function f maps points (M, D) to values (M,).
+    """
+    columns = []
+    for k in range(x.shape[1]):
+        step = np.zeros(x.shape[1])
+        step[k] = h
+        columns.append((f(x + step) - f(x - step)) / (2 * h))
+    return np.stack(columns, axis=1)
+
+
+def example_field(x):
+    return x[:, 0] ** 2 * x[:, 1]
+
+
+print(differences(example_field, np.array([[1.0, 2.0]]), 0.1))
+
+
+# %% [markdown]
+# ### 02.7 The gradient at many evaluation points
+#
+# Write the gradient of $f$, with both terms of (2.8). It must be the derivative of the function of
+# 02.4. Compute it from the formulas. A difference quotient is a test, but no substitute: no step
+# $h$ suits every unit of length.
 #
 # <details><summary>Hint: the derivative of the system</summary>
 #
-# On the left the product rule gives two terms. One of them goes to the right side and meets the
-# derivative of the right side there. What stands between $\mathbf{B}^T$ and the end is then the
-# derivative of $\mathbf{W}^2$, times the residual
-# $\mathbf{r} = \mathbf{V} - \mathbf{B}\mathbf{c}(\mathbf{x})$.
+# On the left-hand side the product rule gives two terms. Move the one with the derivative of
+# $\mathbf{H}$ to the right-hand side, and combine it with the derivative of the right-hand side.
+# Between $\mathbf{B}^T$ and the end then stands the derivative of $\mathbf{W}^2$, times the
+# residual $\mathbf{r} = \mathbf{V} - \mathbf{B}\mathbf{c}(\mathbf{x})$.
 #
 # </details>
 #
 # <details><summary>Hint: the derivative of a squared weight</summary>
 #
-# Write $w_i^2 = s^{-2}$ with $s = r_i^2 + \varepsilon^2$ and use the chain rule. By how much does
-# $r_i^2$ change with $x_k$? Write the result as $w_i^2$ times something.
+# Write $w_i^2 = s^{-2}$ with $s = r_i^2 + \varepsilon^2$, and use the chain rule. What is the
+# derivative of $r_i^2$ by $x_k$? Write the result as $w_i^2$ times a factor.
 #
 # </details>
 #
-# <details><summary>Hint: no new system is needed</summary>
+# <details><summary>Hint: a function for the new system</summary>
 #
-# If you have written the right side as $\mathbf{B}^T\mathbf{W}^2\mathbf{g}$, the derivative of
-# $\mathbf{c}$ solves (2.5) with other data, $\mathbf{g}$ in the place of $\mathbf{V}$. You have a
-# function for that.
+# Write the right-hand side as $\mathbf{B}^T\mathbf{W}^2\mathbf{g}$. Then the derivative of
+# $\mathbf{c}$ solves (2.5) with the data $\mathbf{g}$ instead of $\mathbf{V}$. You have a function
+# for that.
 #
 # </details>
 
 
-# %% question="02.7"
+# %% question="02.7" minutes=40
 def gradient(points, values, x, epsilon):
-    """Return the gradient of f at places x, all of (2.8), of shape (M, D).
+    """Return the gradient of f at evaluation points x, all of (2.8), of shape (M, D).
 
-    The places have the shape (M, D), the points (N, D) and the values (N,).
+    The evaluation points have the shape (M, D), the points (N, D) and the values (N,).
     """
     # BEGIN SOLUTION
     result = np.empty(x.shape)
@@ -585,12 +646,42 @@ def gradient(points, values, x, epsilon):
     # END SOLUTION
 
 
+# %% [markdown]
+# **Exercise: test your gradient by differences** (not graded). Before you run the
+# check, run the next cell. It compares your gradient with central differences of your field, for
+# steps from $10^{-1}$ to $10^{-12}$.
+
+
+# %%
+@draw(epsilon=Slider(0.05, 1, 0.3, "ε", logarithmic=True))
+def gradient_test(epsilon):
+    points, v, x, _ = data("02.7")
+    yours = gradient(points, v, x, epsilon)
+
+    def f(y):
+        return field(points, v, y, epsilon)
+
+    steps = 10.0 ** -np.arange(1, 13)
+    off = [np.abs(differences(f, x, h) - yours).max() for h in steps]
+    with figure(5.4, 2.8) as page:
+        axes = page.subplots()
+        axes.loglog(steps, off / np.abs(yours).max(), "o-", color=ORANGE)
+        axes.set(xlabel="step $h$", ylabel="largest relative difference", ylim=(1e-13, 10))
+    return page
+
+
+# %% [markdown]
+# **What to look at.** If the gradient is right, the curve falls in proportion to $h^2$ as $h$
+# decreases, to about $10^{-9}$. Then it rises in proportion to $1/h$, because the rounding errors
+# of $f$ are divided by $h$. If the gradient is wrong, the curve does not fall. Why is the best step
+# smaller for small $\varepsilon$?
+
 # %%
 check("02.7")
 
 # %% [markdown]
-# The dots below are differences of neighbouring values of your field. The dashed line is the first
-# term of (2.8) alone, which is known as the *diffuse derivative*.
+# The dots below are differences of neighbouring values of your field. The dashed line is the
+# diffuse derivative, the first term of (2.8) alone.
 
 
 # %%
@@ -622,40 +713,43 @@ def slopes(epsilon):
 
 # %% [markdown]
 # **What to look at.** The differences lie on your gradient, not on the dashed line. Which of the
-# two is closer to the slope of the truth? For a very small $\varepsilon$ it is the dashed one,
-# which does not follow the small waves of $f$; from about the spacing of the points on it is your
-# gradient. So the dashed line may be a fair estimate of $\phi'$, but it is *not* the derivative of
-# $f$. Who needs the two to agree, because a force must do the work that the potential says, needs
-# the full gradient.
+# two is closer to the slope of the truth? For a very small $\varepsilon$ it is the dashed line,
+# which does not follow the small oscillations of $f$. If $\varepsilon$ is the spacing of the points
+# or more, it is your gradient. So the diffuse derivative can be a good estimate of $\phi'$, but it
+# is *not* the derivative of $f$. If forces must be consistent with a potential, so that energy is
+# conserved, the full gradient is needed.
 
 # %% [markdown]
-# ## How good is it?
+# # Part 2 (optional): accuracy and the choice of ε
 #
-# Now a fair comparison. The field is $\phi(\mathbf{x}) = (x_1 + x_2)^n$, measured at random points
-# of the unit square. Both methods see the same values, and both are asked at the same places
-# $\mathbf{x}_1, \dots, \mathbf{x}_M$, which are no measured points. The error is the root of the
-# mean square of what they miss by:
+# ## The root-mean-square error
+#
+# The test field is $\phi(\mathbf{x}) = (x_1 + x_2)^n$, measured at random points of the unit
+# square. Both methods use the same values. Both are evaluated at the same points $\mathbf{x}_1,
+# \dots, \mathbf{x}_M$, none of which is a measured point. The *root-mean-square error* is
 #
 # $$ E = \sqrt{ \frac{1}{M} \sum_{j=1}^M
 #    \bigl( f(\mathbf{x}_j) - \phi(\mathbf{x}_j) \bigr)^2 }. \tag{2.9} $$
 #
+# For two evaluation points with the errors $3$ and $-4$ it is $\sqrt{(9 + 16)/2} \approx 3.54$.
+#
 # ### 02.8 Least squares against moving least squares
 #
-# Write a function that returns $E$ for plain least squares and for moving least squares, in this
-# order.
+# Write a function that returns $E$ for plain least squares and for moving least squares, in
+# this order.
 #
 # <details><summary>Hint</summary>
 #
-# You have written least squares as well: which weights make `weighted_fit` treat all points alike?
+# Your `weighted_fit` can also do plain least squares. Which weights treat all points alike?
 #
 # </details>
 
 
-# %% question="02.8"
+# %% question="02.8" minutes=15 optional
 def errors(points, places, n, epsilon):
     """Return E of (2.9) for least and for moving least squares, of shape (2,).
 
-    The field (x_1 + x_2)ⁿ is measured at points (N, 2). Both methods are asked at
+    The field (x_1 + x_2)ⁿ is measured at points (N, 2). Both methods are evaluated at
     places (M, 2).
     """
     # BEGIN SOLUTION
@@ -671,7 +765,7 @@ def errors(points, places, n, epsilon):
 check("02.8")
 
 # %% [markdown]
-# Here are your own hundred points and ten places. Nobody else has them.
+# The picture shows your own hundred points and ten evaluation points.
 
 
 # %%
@@ -684,12 +778,12 @@ def comparison(epsilon):
     with figure(6.4, 3.0) as page:
         left, right = page.subplots(1, 2, width_ratios=(1, 1.5))
         left.plot(*points.T, ".", ms=4, color=BLUE, label="measured")
-        left.plot(*places.T, "x", color=ORANGE, label="asked for")
+        left.plot(*places.T, "x", color=ORANGE, label="evaluated")
         left.set(**SQUARE)
         left.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2)
         names = ("least squares", "moving least squares")
-        for name, line, color, told in zip(names, ("s--", "o-"), (GREY, ORANGE), both.T):
-            right.semilogy(powers, told, line, color=color, label=name)
+        for name, line, color, rms in zip(names, ("s--", "o-"), (GREY, ORANGE), both.T):
+            right.semilogy(powers, rms, line, color=color, label=name)
         exact = "both exact, to rounding" if first < 1e-10 else f"error {first:.1g}"
         right.set(xlabel="power $n$", ylabel="error $E$", title=f"$n = 1$: {exact}")
         right.set_ylim(top=12 * both.max())
@@ -698,24 +792,24 @@ def comparison(epsilon):
 
 
 # %% [markdown]
-# **What to look at.** Why is $n = 1$ exact for both? For $n = 2, 3, \dots$ both errors grow, since
-# the field rises ever more steeply towards the corner $(1, 1)$. How many times better is moving
-# least squares? Ten places are few: run `errors` with a thousand before you trust a factor. And
-# what happens to the comparison when you push $\varepsilon$ to its largest value?
+# **What to look at.** Why are both methods exact for $n = 1$? For $n = 2, 3, \dots$ both errors
+# grow, since the field is steeper towards the corner $(1, 1)$. By which factor is moving least
+# squares more accurate? Ten evaluation points are few: run `errors` with a thousand before you
+# trust the factor. How does the comparison change for the largest $\varepsilon$?
 
 # %% [markdown]
-# ## Which ε is best?
+# ## The choice of ε
 #
-# Since we know $\phi$, we can look. The field is $(x_1 + x_2)^n$ at your hundred points, with noise
-# added if you like, and the error (2.9) is taken at three hundred places.
-
+# Here $\phi$ is known, so we can compute the error for every $\varepsilon$. The field is $(x_1 +
+# x_2)^n$ at your hundred points, with optional noise. The error (2.9) is taken at three hundred
+# random evaluation points.
 
 # %%
 WIDTHS = np.geomspace(0.01, 3, 16)
 
 
 def noisy(n, noise):
-    """Your points, (x_1 + x_2)ⁿ there with noise, and three hundred places."""
+    """Return your points, noisy values of (x_1 + x_2)ⁿ there, and 300 evaluation points."""
     points, random = data("02.8")[0], np.random.default_rng(3)
     v = points.sum(axis=1) ** n + noise * random.normal(size=len(points))
     return points, v, random.random((300, 2))
@@ -724,8 +818,8 @@ def noisy(n, noise):
 def true_errors(n, noise):
     points, v, many = noisy(n, noise)
     truth = many.sum(axis=1) ** n
-    missed = [field(points, v, many, width) - truth for width in WIDTHS]
-    return np.sqrt(np.mean(np.square(missed), axis=1))
+    off = [field(points, v, many, width) - truth for width in WIDTHS]
+    return np.sqrt(np.mean(np.square(off), axis=1))
 
 
 @draw(n=Slider(1, 6, 3, "power n", whole=True), noise=Slider(0, 1, 0.3, "noise"))
@@ -733,9 +827,9 @@ def error_against_width(n, noise):
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
         for sigma, color in ((0.0, BLUE), (noise, ORANGE)):
-            missed = true_errors(n, sigma)
-            axes.semilogx(WIDTHS, missed, color=color, label=f"noise {sigma:.2g}")
-            axes.plot(WIDTHS[missed.argmin()], missed.min(), "o", color=color)
+            rms = true_errors(n, sigma)
+            axes.semilogx(WIDTHS, rms, color=color, label=f"noise {sigma:.2g}")
+            axes.plot(WIDTHS[rms.argmin()], rms.min(), "o", color=color)
         axes.axvline(0.1, color="black", ls=":", lw=1)
         top = max(axes.get_ylim()[1], 1e-3)
         axes.text(0.105, top, "spacing of\nthe points", va="top")
@@ -745,22 +839,22 @@ def error_against_width(n, noise):
 
 
 # %% [markdown]
-# **What to look at.** Without noise the curve is flat on the left: every small $\varepsilon$ is as
-# good as the next, and there is nothing to gain from a large one. With noise there is a best
-# $\varepsilon$, and it grows with the noise. Set $n = 1$: now it pays to make $\varepsilon$ as
-# large as possible. Why?
+# **What to look at.** Without noise the curve is flat on the left: all small $\varepsilon$ have the
+# same error, and a large $\varepsilon$ has a larger one. With noise there is a best $\varepsilon$,
+# which grows with the noise. This is the *bias–variance trade-off*. Set $n = 1$: now the largest
+# $\varepsilon$ is the best. Why?
 #
-# ### A tempting idea
+# ### Minimising ψ over ε
 #
-# In practice $\phi$ is not known, and this curve cannot be drawn. What can be computed from the
-# measurements alone? There is $\psi$ of (2.7). It measures an error, and the coefficients were
-# found by minimising it. So why not choose the $\varepsilon$ that makes $\psi$ smallest as well?
-# Try it, with your own points, at three of your places.
+# In practice $\phi$ is unknown, and so is this curve. We need a criterion that uses the
+# measurements alone. The notes suggest $\psi$ of (2.7), whose minimum defines the coefficients
+# (page 40). The next picture shows the minimum of $\psi$ as a function of $\varepsilon$, at three
+# of your evaluation points.
 
 
 # %%
 @draw(noise=Slider(0, 1, 0.3, "noise"))
-def tempting(noise):
+def least_objective(noise):
     points, v, _ = noisy(3, noise)
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
@@ -771,24 +865,25 @@ def tempting(noise):
                 c = weighted_fit(points, v, weights(points, place, width))
                 lowest.append(objective(points, v, place, width, c))
             axes.loglog(WIDTHS, lowest, color=color, label=label)
-        axes.set(xlabel=r"$\varepsilon$", ylabel=r"least value of $\psi$")
+        axes.set(xlabel=r"$\varepsilon$", ylabel=r"minimum of $\psi$ over $\mathbf{c}$")
         axes.legend(title=r"at $\mathbf{x} =$")
     return page
 
 
 # %% [markdown]
-# **What to look at.** Where is the minimum? Does its place depend on the noise, on the values, on
-# anything that was measured? Keep your answer for question 02.10.
+# **What to look at.** For which $\varepsilon$ is $\psi$ smallest? Does this $\varepsilon$ depend on
+# the noise, or on the values? Question 02.10 asks for the reason.
 #
-# ## Leaving one out
+# ## Leave-one-out cross-validation
 #
-# An honest test asks the method for something that it has not seen. Leave out the measurement
-# $(\mathbf{p}_i, \phi_i)$, make the field $f_{-i}$ of the other $N - 1$, and see by how much it
-# misses:
+# A valid test predicts a measurement that the method has not used. Leave out the measurement
+# $(\mathbf{p}_i, \phi_i)$, compute the field $f_{-i}$ of the other $N - 1$ measurements, and take
+# its error:
 #
 # $$ e_i = \phi_i - f_{-i}(\mathbf{p}_i), \qquad i = 1, \dots, N. \tag{2.10} $$
 #
-# Nothing but the measurements is needed for this.
+# Only the measurements are needed for this. The mean of $e_i^2$ estimates the error of prediction,
+# and the $\varepsilon$ with the smallest mean is chosen.
 #
 # ### 02.9 The leave-one-out errors
 #
@@ -796,13 +891,13 @@ def tempting(noise):
 #
 # <details><summary>Hint</summary>
 #
-# Use your `field`. An array of booleans picks all rows but one; there is also a function of NumPy
-# that deletes a row. The place is $\mathbf{p}_i$, as an array of shape $(1, D)$.
+# Use your `field`. A boolean array selects all rows except one. NumPy also has a function that
+# deletes a row. The evaluation point is $\mathbf{p}_i$, as an array of shape $(1, D)$.
 #
 # </details>
 
 
-# %% question="02.9"
+# %% question="02.9" minutes=25 optional
 def leave_one_out(points, values, epsilon):
     """Return e_1 … e_N of (2.10), of shape (N,).
 
@@ -822,16 +917,16 @@ def leave_one_out(points, values, epsilon):
 check("02.9")
 
 # %% [markdown]
-# Now all judges side by side, on your points. Each curve is what one of them thinks of each
-# $\varepsilon$; a dot marks its choice. Besides the leave-one-out error and $\psi$ there is a third
-# judge, the *normalised* $\bar\psi = \psi / \sum_i w_i^2$, a weighted mean of squared residuals.
-# The number in brackets says how many times larger the true error is at that choice than at the
-# best $\varepsilon$.
+# The next picture compares four criteria on your points, as functions of $\varepsilon$: the true
+# error, the leave-one-out error, $\psi$, and the normalised $\bar\psi = \psi / \sum_i w_i^2$. The
+# last one is a weighted mean of squared residuals. Each curve is divided by its minimum, which a
+# dot marks. The number in brackets is the ratio of two true errors: at the $\varepsilon$ of this
+# criterion, and at the best $\varepsilon$.
 
 
 # %%
 @draw(n=Slider(1, 6, 3, "power n", whole=True), noise=Slider(0, 1, 0.3, "noise"))
-def judges(n, noise):
+def criteria(n, noise):
     points, v, _ = noisy(n, noise)
     truth = true_errors(n, noise)
     unseen, sums, means = [], [], []
@@ -845,105 +940,161 @@ def judges(n, noise):
             total.append(np.sum(there**2))
         sums.append(np.sum(lowest))
         means.append(np.sum(np.divide(lowest, total)))
-    verdicts = (
+    curves = (
         ("true error", truth, GREY, "-"),
-        ("leave one out", unseen, GREEN, "--"),
+        ("leave-one-out", unseen, GREEN, "--"),
         (r"$\psi$", sums, ORANGE, "-."),
         (r"$\bar\psi$", means, PURPLE, ":"),
     )
     with figure(6.8, 3.2) as page:
         axes = page.subplots()
-        for name, told, color, line in verdicts:
-            told = np.maximum(told, 1e-9) / max(np.min(told), 1e-9)
-            choice = told.argmin()
+        for name, curve, color, line in curves:
+            ratio = np.maximum(curve, 1e-9) / max(np.min(curve), 1e-9)
+            choice = ratio.argmin()
             regret = max(truth[choice], 1e-9) / max(truth.min(), 1e-9)
             label, size = f"{name} (×{regret:.2f})", 9 if color == GREY else 7
-            axes.loglog(WIDTHS, told, line, color=color, label=label)
+            axes.loglog(WIDTHS, ratio, line, color=color, label=label)
             axes.plot(WIDTHS[choice], 1, "o", color=color, ms=size)
-        axes.set(xlabel=r"$\varepsilon$", ylabel="over its least", ylim=(0.8, 40))
-        axes.legend(**BESIDE, title="judge (regret)")
+        axes.set(xlabel=r"$\varepsilon$", ylabel="ratio to the minimum", ylim=(0.8, 40))
+        axes.legend(**BESIDE, title="criterion (×error)")
     return page
 
 
 # %% [markdown]
-# **What to look at.** Set the noise to zero, then to 0.3, then to 1. Which judges change their
-# mind, and which never do? Then set $n = 1$ with noise: now $\psi$ is right. Does that make it a
-# good judge?
+# **What to look at.** Set the noise to zero, then to 0.3, then to 1. Which criteria change their
+# choice, and which do not? Then set $n = 1$ with noise: now $\psi$ chooses well. Is $\psi$
+# therefore a good criterion?
+#
+# ## Real data: heights of a landscape
+#
+# The file `fieldcheck/datasets/terrain.json` holds 3000 heights around Cross Mountain in
+# Tennessee. They were measured by the Shuttle Radar Topography Mission (public domain). `terrain()`
+# returns the points in kilometres and the heights in metres. Suppose that only some of these
+# heights are known. The left map shows all heights, the right map your field from the dots.
+
+
+# %%
+def survey(number):
+    """Return points and heights of a survey, and of 500 other points of the landscape."""
+    points, heights = terrain()
+    order = np.random.default_rng(1).permutation(len(points))
+    known, others = order[:number], order[-500:]
+    return points[known], heights[known], points[others], heights[others]
+
+
+@draw(
+    epsilon=Slider(0.05, 10, 0.5, "ε in km", logarithmic=True),
+    number=Slider(50, 400, 250, "points", whole=True),
+)
+def landscape(epsilon, number):
+    points, heights = terrain()
+    x, y = np.unique(points[:, 0]), np.unique(points[:, 1])
+    known, known_heights, _, _ = survey(number)
+    yours = field(known, known_heights, points, epsilon)
+    rms = np.sqrt(np.mean((yours - heights) ** 2))
+    with figure(6.8, 3.0) as page:
+        panels = page.subplots(1, 2, sharey=True)
+        titles = ("measured heights", f"your field: error {rms:.0f} m")
+        for axes, title, shown in zip(panels, titles, (heights, yours), strict=True):
+            levels = np.linspace(200, 1100, 19)
+            grid = shown.reshape(len(y), len(x))
+            image = axes.contourf(x, y, grid, levels, extend="both", cmap="terrain")
+            axes.set(title=title, aspect="equal", xlabel="km to the east")
+        panels[0].set(ylabel="km to the north")
+        panels[1].plot(*known.T, ".", ms=2, color="black")
+        page.colorbar(image, ax=list(panels), label="height in metres")
+    return page
+
+
+@draw(
+    number=Slider(50, 400, 250, "points", whole=True),
+    noise=Slider(0, 200, 0, "noise in m"),
+)
+def landscape_errors(number, noise):
+    known, heights, others, truth = survey(number)
+    heights = heights + noise * np.random.default_rng(2).normal(size=number)
+    widths = np.geomspace(0.05, 10, 12)
+    off = [field(known, heights, others, width) - truth for width in widths]
+    unseen = [leave_one_out(known, heights, width) for width in widths]
+    with figure(6.4, 2.8) as page:
+        axes = page.subplots()
+        rms, predicted = (np.sqrt(np.mean(np.square(e), axis=1)) for e in (off, unseen))
+        axes.semilogx(widths, rms, color=GREY, label="true error at 500 points")
+        axes.semilogx(widths, predicted, "--", color=GREEN, label="leave-one-out error")
+        for curve, color in ((rms, GREY), (predicted, GREEN)):
+            axes.plot(widths[curve.argmin()], curve.min(), "o", color=color)
+        axes.set(xlabel=r"$\varepsilon$ in km", ylabel="error in metres", ylim=(0, None))
+        axes.legend(**BESIDE)
+    return page
+
+
+# %% [markdown]
+# **What to look at.** Without noise the error is nearly constant for $\varepsilon$ below 0.4 km.
+# It grows from the spacing of the points on, which is 0.85 km for 250 points. These heights have
+# little noise, so averaging does not help. Set the noise to 100 m. Now the true error is smallest
+# for an $\varepsilon$ of about 0.6 km, and leave-one-out selects 0.9 km. The true errors of the
+# two choices differ by 2 %. Why is the leave-one-out error larger than the true error?
 #
 # ### In words
 #
-# **02.10** For which $\varepsilon$ does moving least squares work best, without noise and with it?
-# A hint that is sometimes given reads: *use $\psi$ to measure the overall error*. Explain what
-# $\psi$ measures, and why it cannot choose $\varepsilon$, whatever was measured. Why does
-# normalising it not help when there is noise? What does leaving one out do differently?
+# **02.10** Why does the minimum of $\psi$ over $\mathbf{c}$ select the largest $\varepsilon$ for
+# all data, while leave-one-out cross-validation selects an $\varepsilon$ close to the best one?
+# Consider data with noise and without.
 #
 # <details><summary>Hint</summary>
 #
-# Keep $\mathbf{c}$ fixed and increase $\varepsilon$. What happens to each term of the sum in (2.7)?
-# What can minimising over $\mathbf{c}$ afterwards do to it?
-#
-# </details>
-#
-# <details><summary>Hint for the normalised one</summary>
-#
-# Think of $D + 1$ measurements that are much closer than all others. How well can a plane fit
-# these? Does that tell you anything about the value at $\mathbf{x}$?
+# Keep $\mathbf{c}$ fixed and increase $\varepsilon$. How does each term of the sum in (2.7) change?
+# Can the minimum over $\mathbf{c}$ then grow?
 #
 # </details>
 
-# %% [markdown] answer="02.10" points=5
-# *The best $\varepsilon$.* Without noise, a small one: from about a tenth of the spacing of the
-# points downwards nothing changes any more, and from the spacing on the error grows, up to that of
-# least squares. The exception is an affine field, which is exact for every $\varepsilon$. With
-# noise the best $\varepsilon$ is larger, and grows with the noise: the field has to average over
-# several points. If the true field is affine, the best is $\varepsilon \to \infty$, least squares,
-# which averages over all of them. The gradient asks for a larger $\varepsilon$ than the value.
+# %% [markdown] answer="02.10" points=5 minutes=20 words=170 optional
+# *The objective.* For fixed $\mathbf{c}$ every weight $w_i = 1/(r_i^2 + \varepsilon^2)$ decreases
+# as $\varepsilon$ grows, so each term of (2.7) decreases. With $\varepsilon_1 < \varepsilon_2$ and
+# minimisers $\mathbf{c}_1, \mathbf{c}_2$, we have $\psi_2(\mathbf{c}_2) \le \psi_2(\mathbf{c}_1)
+# \le \psi_1(\mathbf{c}_1)$. So the minimum of $\psi$ decreases for *all* data, unless it is zero
+# from the start, as for an affine field. In the limit it decreases like $\varepsilon^{-4}$. It
+# always selects $\varepsilon = \infty$, which is least squares. Two values of $\psi$ with different
+# $\varepsilon$ have different weights and cannot be compared. Moreover $\psi$ measures residuals at
+# points that the fit has used. It is not an error at $\mathbf{x}$, where nothing was measured.
 #
-# *What $\psi$ measures.* It says how far the local plane is from the measurements around
-# $\mathbf{x}$, by weights whose size depends on $\varepsilon$. It is no error at $\mathbf{x}$,
-# where nothing was measured. For fixed $\mathbf{c}$ every weight $w_i = 1/(r_i^2 + \varepsilon^2)$
-# falls as $\varepsilon$ grows, so each term of (2.7) falls; minimising over $\mathbf{c}$ makes the
-# sum only smaller. In formulas: with $\varepsilon_1 < \varepsilon_2$ and minimisers $\mathbf{c}_1,
-# \mathbf{c}_2$, $\psi_2(\mathbf{c}_2) \le \psi_2(\mathbf{c}_1) \le \psi_1(\mathbf{c}_1)$. So the
-# least value of $\psi$ falls for *all* data (unless it is zero from the start, for an affine
-# field), in the end as $\varepsilon^{-4}$: it always chooses $\varepsilon = \infty$, which is least
-# squares, on noise-free data the worst choice of all. That $\mathbf{c}$ minimises $\psi$ is no
-# reason: $\psi$ with another $\varepsilon$ is another function, measured in other units.
+# *Leave-one-out* evaluates the field at points whose measurement it has not used. A field that
+# follows the noise predicts the omitted value badly, and so does a field that is too stiff. The
+# mean of $e_i^2$ estimates the squared error plus the variance of the noise. The variance does not
+# depend on $\varepsilon$, so the minimum is close to the best $\varepsilon$.
 #
-# *Normalised*, the effect of the units is gone. But the smaller $\varepsilon$ is, the fewer points
-# count, and a plane with $D+1$ coefficients can follow few points closely, noise and all. So
-# $\bar\psi$ is least at the smallest $\varepsilon$: harmless without noise, wrong with it. It
-# judges a fit by the data that it was fitted to.
-#
-# *Leaving one out* judges the field at places where there is a measurement that it has not seen. A
-# field that follows the noise misses the one left out, and so does a field that is too stiff. The
-# mean of $e_i^2$ estimates the squared error plus the variance of the noise, which does not depend
-# on $\varepsilon$, so that its minimum is close to the best $\varepsilon$.
+# *The best $\varepsilon$.* Without noise it is small: below about a tenth of the spacing of the
+# points the error is constant, and above the spacing it grows up to that of least squares. With
+# noise the best $\varepsilon$ is larger, and grows with the noise, since the field must average
+# several points. If the true field is affine, $\varepsilon \to \infty$ is best.
 
 # %% [markdown] rubric="02.10"
-# One point for the best $\varepsilon$ without noise and with it, in relation to the spacing. Two
-# for $\psi$: that it falls for all data (an argument, not only the picture), and that it is a
-# residual and no error at $\mathbf{x}$. One for the normalised one: few points are followed
-# closely. One for leaving one out: data that the fit has not seen. A student who follows the hint
-# of the question and chooses by $\psi$ gets none of the two points for $\psi$.
+# Two points for the proof that $\psi$ decreases for all data. One for saying that $\psi$ measures
+# residuals of data that the fit has used, not the error at $\mathbf{x}$. One for leave-one-out:
+# data that the fit has not used, and a variance that does not depend on $\varepsilon$. One for the
+# best $\varepsilon$ without noise and with it. An answer that recommends $\psi$ gets none of the
+# first three.
 
 # %% [markdown]
 # ## Dig deeper
 #
 # - *Shortcut.* The field is linear in the values: $f(\mathbf{p}_i) = \sum_j a_{ij}\phi_j$. Show
-#   that $e_i = (\phi_i - f(\mathbf{p}_i))/(1 - a_{ii})$, so that nothing has to be left out. How do
-#   you get $a_{ii}$ from `field`? For which $\varepsilon$ does the quotient lose its digits, and
-#   why?
-# - *Terraces.* The slides say that "bumps and dimples occur unless $\varepsilon$ is substantially
-#   larger than the spacing between points". Look for them where the field is curved: with a small
-#   $\varepsilon$ count the changes of sign of the second differences of the curve, and with
-#   $\varepsilon$ of one spacing. Replace the basis by $b(\mathbf{x}) = 1$ alone, so that $f$ is a
-#   weighted mean of the values, and draw the curve again. What is its slope at the points?
-# - *Rounding.* Evaluate the field at a measured point for $\varepsilon = 10^{-2}, 10^{-3}, \dots,
-#   10^{-9}$. The exact field tends to the value there. What does yours do? Replace
+#   that $e_i = (\phi_i - f(\mathbf{p}_i))/(1 - a_{ii})$, so that no system without the point is
+#   needed. How do you get $a_{ii}$ from `field`? For which $\varepsilon$ does the quotient lose its
+#   digits?
+# - *The normalised objective.* Why is $\bar\psi$ smallest for small $\varepsilon$, if there is
+#   noise? Think of $D + 1$ measurements that are much closer than all others.
+# - *Terraces.* The notes say that "bumps and dimples occur unless $\varepsilon$ is substantially
+#   larger than the spacing between points" (page 9). Look for them where the field is curved. Count
+#   the changes of sign of the second differences of the curve, for a small $\varepsilon$ and for
+#   $\varepsilon$ equal to the spacing. Then use the basis $b(\mathbf{x}) = 1$ alone, so that $f$ is
+#   a weighted mean of the values (Shepard's method). What is its slope at the points?
+# - *Rounding.* At a measured point, how large is the ratio of the largest squared weight to the
+#   others for $\varepsilon = 10^{-4}$? Evaluate the field there for $\varepsilon = 10^{-2}, \dots,
+#   10^{-9}$. The exact field tends to the measured value. What does your field do? Replace
 #   $\mathbf{b}(\mathbf{p}_i)$ by $\mathbf{b}(\mathbf{p}_i - \mathbf{x})$, and (2.5) by
 #   `numpy.linalg.lstsq` on (2.4), and try again.
-# - *Far away.* To what does the field tend as $\mathbf{x}$ goes to infinity?
+# - *Far away.* What is the limit of the field as $\mathbf{x}$ goes to infinity?
 
 # %%
 progress()

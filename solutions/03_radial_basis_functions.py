@@ -1,5 +1,10 @@
 # ---
 # jupyter:
+#   course:
+#     builds_on:
+#       "01": the linear basis, and the rank of its matrix
+#     pages: slides, pages 11–13 and 41
+#     chapters: [04-radial-basis-functions]
 #   jupytext:
 #     text_representation:
 #       extension: .py
@@ -13,10 +18,17 @@
 # %% [markdown]
 # # Radial basis functions
 #
-# A fit by least squares misses the data. Sometimes the data are exact, and the field should go
-# *through* every value. In this notebook you write the best known method that does it: a bump on
-# each point, and a plane below them all. You also find out that two things which are often said
-# about its system of equations are not true.
+# A fit by least squares has residuals. If the data are exact, the field should *interpolate* them:
+# it should have the given value at every point. In this notebook you write the best-known
+# interpolation of scattered data, the *thin-plate spline*. It is a sum of radial functions, one for
+# each point, and an affine field. You also find out for which points its linear system has a unique
+# solution.
+#
+# **Search for**: thin-plate spline, radial basis function, conditionally positive definite,
+# unisolvent, saddle-point system, inertia of a matrix, Runge phenomenon. **Read**: Wendland,
+# *Scattered Data Approximation*, chapters 8 and 10; Fasshauer, *Meshfree Approximation Methods with
+# MATLAB*, chapters 2 and 6 to 9; Duchon, *Splines minimizing rotation-invariant semi-norms in
+# Sobolev spaces* (1977).
 #
 # Each question asks for a function. Write it, run its cell, and run the check below it.
 
@@ -30,6 +42,7 @@ from fieldcheck import (
     ORANGE,
     PURPLE,
     Slider,
+    case,
     check,
     data,
     draw,
@@ -39,11 +52,11 @@ from fieldcheck import (
 )
 
 # %% [markdown]
-# ## The problem in a picture
+# ## Interpolation by polynomials
 #
-# Twelve values were measured without error. A straight line misses most of them. A polynomial of
-# higher degree comes closer, and with as many coefficients as values it goes through all. See what
-# it does between them, and move the slider down.
+# Twelve values were measured without error. A straight line has large residuals. A polynomial with
+# as many coefficients as values interpolates all of them, but it oscillates between the points,
+# most of all near the ends. This is the *Runge phenomenon*. Move the slider to lower degrees.
 
 
 # %%
@@ -59,39 +72,68 @@ def the_problem(degree):
             polynomial = np.polynomial.Polynomial.fit(x, values, k)
             axes.plot(side, polynomial(side), color=color, label=f"degree {k}")
         axes.plot(x, values, "o", color=BLUE, label="measured")
-        axes.set(xlabel="place $x$", ylabel=r"value $\phi$", xlim=(0, 1), ylim=(-2, 3))
+        axes.set(xlabel="$x$", ylabel=r"value $\phi$", xlim=(0, 1), ylim=(-2, 3))
         axes.legend(loc="lower left", ncols=3)
     return page
 
 
 # %% [markdown]
-# ## The idea
+# ## A finished function
 #
-# Think of a thin sheet of metal that is pressed onto pins of given heights. It goes through all of
-# them, and since it resists bending it does not swing in between. Far from the pins it is flat.
+# Radial functions depend on distances, so we need all distances between two sets of points. The
+# function below is finished; imitate its style. `x[:, None]` has the shape $(M, 1, D)$, and
+# `points` has the shape $(N, D)$. NumPy repeats both along the missing axis (*broadcasting*): the
+# difference has the shape $(M, N, D)$, with $\mathbf{x}_m - \mathbf{p}_n$ in entry $[m, n]$. The
+# sum over the last axis leaves the shape $(M, N)$.
+
+
+# %%
+def distances(x, points):
+    """Return all distances between x (M, D) and points (N, D), of shape (M, N)."""
+    difference = x[:, None] - points  # of shape (M, N, D)
+    return np.linalg.norm(difference, axis=-1)
+
+
+print(distances(np.array([[0.0, 0.0], [3.0, 4.0]]), np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 4.0]])))
+
+
+# %% [markdown]
+# The first row has the distances from the origin, $0, 3, 4$. The second row has the distances from
+# $(3, 4)$, $5, 4, 3$.
+
+# %% [markdown]
+# ## The kernel
 #
-# The shape of such a sheet round a single pin is the *thin-plate spline*
+# A thin elastic plate that is pressed onto supports of given heights passes through all of them.
+# Since it resists bending, it does not oscillate between the supports. Far from the supports it
+# approaches an affine function. For a plate over the plane, the shape around a single support is
+# the *thin-plate spline*
 #
 # $$ w(\mathbf{y}) = \lVert\mathbf{y}\rVert^2 \log \lVert\mathbf{y}\rVert^2 ,
 #    \qquad w(\mathbf{0}) = 0 . \tag{3.1} $$
 #
-# The logarithm is the natural one. It does not exist at zero, but the product has the limit zero,
-# and that is what $w(\mathbf{0})$ stands for.
+# Such a function of the distance is called a *kernel* or *radial basis function*. The logarithm is
+# the natural one. It is not defined at zero, but the product tends to zero, so we set
+# $w(\mathbf{0}) = 0$.
+#
+# By hand: $w(1, 0) = 0$, since $\log 1 = 0$. $w(1, 1) = 2 \log 2 \approx 1.386$, since the squared
+# length is 2. $w(2, 0) = 4 \log 4 = 8 \log 2 \approx 5.545$.
 #
 # ### 03.1 The kernel
 #
-# Write $w$ for any number of vectors at once. The last axis holds the coordinates: an array of
-# shape $(5, 2)$ is five vectors of the plane, one of shape $(4, 6, 3)$ four times six in space.
+# Write $w$ for any number of vectors at once. The last axis holds the coordinates. An array of
+# shape $(5, 2)$ has five vectors of the plane. An array of shape $(4, 6, 3)$ has a $4 \times 6$
+# table of vectors in space.
 #
 # <details><summary>Hint</summary>
 #
-# What is zero can be left as it is: begin with zeros, and compute only where there is something to
-# compute. A condition such as `squared > 0` is an array, and an array can be indexed by it.
+# Start with an array of zeros, and compute only the entries whose vector is not zero. A condition
+# such as `squared > 0` is a boolean array, and an array can be indexed by it.
 #
 # </details>
 
 
-# %% question="03.1"
+# %% question="03.1" minutes=20
 def kernel(y):
     """Return w of (3.1), of shape (...), for vectors y of shape (..., D)."""
     # BEGIN SOLUTION
@@ -109,7 +151,7 @@ check("03.1")
 
 # %%
 @draw()
-def one_bump():
+def kernel_shape():
     side = np.linspace(-1.4, 1.4, 71)
     with figure(6.4, 2.7) as page:
         section, plan = page.subplots(1, 2)
@@ -126,49 +168,78 @@ def one_bump():
 
 
 # %% [markdown]
-# **What to look at.** This bump is no hill that fades away. It is zero at the pin and on the unit
-# circle (white), negative between them, and beyond it grows without end. A sum of such functions
-# would grow as well, unless something keeps it in check.
+# **What to look at.** This kernel does not decrease with the distance. It is zero at the centre and
+# on the unit circle (white), negative between them, and it grows without bound outside. A sum of
+# such functions grows too, unless the coefficients satisfy conditions that prevent it.
 
 # %% [markdown]
 # ## The system
 #
-# Let $\mathbf{p}_1, \dots, \mathbf{p}_N \in \mathbb{R}^D$ be the places and $\phi_1, \dots, \phi_N$
-# the values. The field is a bump on each place, with a factor of its own, and an affine field:
+# Let $\mathbf{p}_1, \dots, \mathbf{p}_N \in \mathbb{R}^D$ be the points, called *centres*, and
+# $\phi_1, \dots, \phi_N$ the values. The field is a sum of kernels, one at each centre, and an
+# affine field:
 #
 # $$ f(\mathbf{x}) = \mathbf{b}(\mathbf{x})^T\mathbf{c} +
 #    \sum_{j=1}^N \lambda_j\, w(\mathbf{x} - \mathbf{p}_j), \qquad
 #    \mathbf{b}(\mathbf{x}) = (1, x_1, \dots, x_D)^T . \tag{3.2} $$
 #
-# There are $N$ unknown $\lambda_j$ and $D + 1$ unknown $c_k$. It shall go through the values,
+# There are $N$ unknown $\lambda_j$ and $D + 1$ unknown $c_k$. The field must interpolate the
+# values,
 #
 # $$ f(\mathbf{p}_i) = \phi_i, \qquad i = 1, \dots, N, \tag{3.3} $$
 #
-# which are $N$ conditions. The others are the *orthogonality constraints*
+# which are $N$ conditions. The remaining $D + 1$ are the *orthogonality constraints*
 #
 # $$ \sum_{j=1}^N \lambda_j\, \mathbf{b}(\mathbf{p}_j) = \mathbf{0} . \tag{3.4} $$
 #
-# With $A_{ij} = w(\mathbf{p}_i - \mathbf{p}_j)$ and the matrix $\mathbf{B}$ whose rows are
-# $\mathbf{b}(\mathbf{p}_i)^T$, all of them together are
+# Let $A_{ij} = w(\mathbf{p}_i - \mathbf{p}_j)$, and let $\mathbf{B}$ be the matrix with the rows
+# $\mathbf{b}(\mathbf{p}_i)^T$. All conditions together are the *saddle-point system*
 #
 # $$ \underbrace{\begin{bmatrix} \mathbf{A} & \mathbf{B} \\ \mathbf{B}^T & \mathbf{0} \end{bmatrix}
 #    }_{\mathbf{H}_{\mathrm{RBF}}}
 #    \begin{bmatrix} \boldsymbol{\lambda} \\ \mathbf{c} \end{bmatrix} =
 #    \begin{bmatrix} \boldsymbol{\phi} \\ \mathbf{0} \end{bmatrix} . \tag{3.5} $$
 #
+# ### Example: three points, by hand
+#
+# Take the points $0, 1, 2$ on a line and the values $1, 2, 6$, as in notebook 01. With
+# $a = w(2) = 8 \log 2$, the blocks are
+#
+# $$ \mathbf{A} = \begin{bmatrix} 0 & 0 & a \\ 0 & 0 & 0 \\ a & 0 & 0 \end{bmatrix}, \qquad
+#    \mathbf{B} = \begin{bmatrix} 1 & 0 \\ 1 & 1 \\ 1 & 2 \end{bmatrix}. $$
+#
+# The constraints are $\lambda_1 + \lambda_2 + \lambda_3 = 0$ and $\lambda_2 + 2\lambda_3 = 0$. So
+# $\boldsymbol{\lambda} = t\,(1, -2, 1)$ with one unknown number $t$. The first three rows of (3.5)
+# are
+#
+# $$ a t + c_0 = 1, \qquad c_0 + c_1 = 2, \qquad a t + c_0 + 2 c_1 = 6. $$
+#
+# The third minus the first is $2 c_1 = 5$. So $c_1 = \tfrac52$, $c_0 = -\tfrac12$ and $a t =
+# \tfrac32$. The next cell checks these numbers.
+
+# %%
+kernel_2 = 8 * np.log(2)
+three_a = np.array([[0, 0, kernel_2], [0, 0, 0], [kernel_2, 0, 0]])
+three_b = np.array([[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]])
+three_lambda = 1.5 / kernel_2 * np.array([1.0, -2.0, 1.0])
+print("A λ + B c:", three_a @ three_lambda + three_b @ np.array([-0.5, 2.5]))
+print("Bᵀλ:", three_b.T @ three_lambda)
+
+
+# %% [markdown]
 # ### 03.2 The matrix
 #
-# Write $\mathbf{H}_{\mathrm{RBF}}$. First say how many rows it has.
+# Write $\mathbf{H}_{\mathrm{RBF}}$. How many rows does it have?
 #
 # <details><summary>Hint</summary>
 #
-# `points[:, None]` has the shape $(N, 1, D)$. What is the shape of the difference of it and
-# `points`, and what is in it? Blocks are put together by `np.block`.
+# Which array holds all differences $\mathbf{p}_i - \mathbf{p}_j$? Look at `distances`. `np.block`
+# puts blocks together.
 #
 # </details>
 
 
-# %% question="03.2"
+# %% question="03.2" minutes=20
 def system_matrix(points):
     """Return H_RBF of (3.5) for points of shape (N, D)."""
     # BEGIN SOLUTION
@@ -191,25 +262,25 @@ def the_matrix(number):
     with figure(4.6, 3.6) as page:
         axes = page.subplots()
         image = axes.imshow(h, cmap="PuOr_r", vmin=-1, vmax=1)
-        for place in (axes.axhline, axes.axvline):
-            place(number - 0.5, color="black", lw=0.8)
+        for line in (axes.axhline, axes.axvline):
+            line(number - 0.5, color="black", lw=0.8)
         axes.set(title=f"{len(h)} rows for {number} points", xticks=[], yticks=[])
         page.colorbar(image, ax=axes)
     return page
 
 
 # %% [markdown]
-# **What to look at.** Four blocks. The diagonal of the first one is zero, since $w(\mathbf{0}) =
-# 0$, and so is the whole last block: there is not one number other than zero on the diagonal of
-# $\mathbf{H}_{\mathrm{RBF}}$. Keep that in mind for question 03.5.
+# **What to look at.** There are four blocks. The diagonal of $\mathbf{A}$ is zero, since
+# $w(\mathbf{0}) = 0$, and the last block is zero. So the whole diagonal of
+# $\mathbf{H}_{\mathrm{RBF}}$ is zero. Question 03.5 uses this.
 
 # %% [markdown]
 # ### 03.3 The coefficients
 #
-# Solve (3.5). Return the two parts of the unknown one by one.
+# Solve (3.5). Return the two parts of the solution as two arrays: `return lam, c`.
 
 
-# %% question="03.3"
+# %% question="03.3" minutes=10
 def coefficients(points, values):
     """Return (λ, c) of (3.5), of shapes (N,) and (D + 1,), for points (N, D) and values (N,)."""
     # BEGIN SOLUTION
@@ -226,12 +297,12 @@ check("03.3")
 # %% [markdown]
 # ### 03.4 The field
 #
-# Evaluate (3.2) at many places at once. Some of them may be points of the data.
+# Evaluate (3.2) at many evaluation points at once. Some of them may be centres.
 
 
-# %% question="03.4"
+# %% question="03.4" minutes=5
 def evaluate(points, lam, c, x):
-    """Return f of (3.2) at places x of shape (M, D), as an array of shape (M,)."""
+    """Return f of (3.2) at evaluation points x of shape (M, D), as an array of shape (M,)."""
     # BEGIN SOLUTION
     return c[0] + x @ c[1:] + kernel(x[:, np.newaxis] - points) @ lam
     # END SOLUTION
@@ -241,10 +312,10 @@ def evaluate(points, lam, c, x):
 check("03.4")
 
 # %% [markdown]
-# ## Look at it
+# ## Interpolation of the first data
 #
-# The data of the first picture again, and your own functions. Move the height of the orange point,
-# and change the number of points.
+# The next picture uses the data of the first picture and your functions. Move the height of the
+# orange point, and change the number of points.
 
 
 # %%
@@ -271,17 +342,19 @@ def through_all_points(height, number):
             values[moved] = height
         axes.plot(x, values, "o", color=BLUE)
         axes.plot(x[moved], height, "o", ms=9, color=ORANGE, label="moved")
-        axes.set(xlabel="place $x$", ylabel=r"value $\phi$", xlim=(-0.2, 1.2), ylim=(-2.6, 3))
+        axes.set(xlabel="$x$", ylabel=r"value $\phi$", xlim=(-0.2, 1.2), ylim=(-2.6, 3))
         axes.legend(loc="lower left", ncols=3)
     return page
 
 
 # %% [markdown]
-# **What to look at.** The curve goes through every point, wherever you put the orange one. The
-# change is felt by all of the curve, but little far away. Outside the data the curve becomes
-# straight. And between them it swings no more than the data demand.
+# **What to look at.** The curve passes through every point, for any height of the orange point. The
+# change affects the whole curve, but it is small far away. Outside the data the curve becomes
+# straight. Between the points it does not oscillate.
 #
-# In the plane the points below are your own.
+# On a line the interpolant with the least bending energy is the natural cubic spline, whose kernel
+# is $\lVert\mathbf{y}\rVert^3$. The kernel (3.1) has this property in the plane. In the next
+# picture the points of the plane are your own.
 
 
 # %%
@@ -308,67 +381,71 @@ def surface():
 
 
 # %% [markdown]
-# Each dot should vanish in its surroundings but for its white rim.
+# Inside its white boundary each dot must have the same colour as the field around it.
 #
-# ## What the constraints are for
+# ## The orthogonality constraints
 #
-# Could one do with less? $\mathbf{A}\boldsymbol{\lambda} = \boldsymbol{\phi}$ alone is a system of
-# $N$ equations for $N$ unknowns: only bumps, no plane, no constraints. Here both fields are seen
-# along the line $x_2 = 0.5$, with your own points. Slide the edge outwards.
+# Is there a simpler method? $\mathbf{A}\boldsymbol{\lambda} = \boldsymbol{\phi}$ alone is a system
+# of $N$ equations for $N$ unknowns, with kernels but without the affine part and the constraints.
+# The picture shows both fields along the line $x_2 = 0.5$, with your own points. Increase the
+# half-width.
 
 
 # %%
-@draw(reach=Slider(1, 1000, 4, "edge", logarithmic=True))
+@draw(reach=Slider(1, 1000, 4, "half-width", logarithmic=True))
 def far_away(reach):
     points, values = data("03.3")
     n = len(points)
     lam, c = coefficients(points, values)
-    bumps = np.linalg.solve(system_matrix(points)[:n, :n], values)
+    alone = np.linalg.solve(system_matrix(points)[:n, :n], values)
     side = np.linspace(-reach, reach, 401)
     line = np.stack([side, 0 * side + 0.5], axis=1)
     with figure(6.4, 3.0) as page:
         axes = page.subplots()
-        axes.axvspan(0, 1, color=GREY, alpha=0.25, lw=0, label="here are the data")
-        axes.plot(side, evaluate(points, bumps, 0 * c, line), color=ORANGE, label="bumps alone")
-        axes.plot(side, evaluate(points, lam, c, line), color=BLUE, label="bumps and a plane")
+        axes.axvspan(0, 1, color=GREY, alpha=0.25, lw=0, label="region of the data")
+        axes.plot(side, evaluate(points, alone, 0 * c, line), color=ORANGE, label="kernels alone")
+        axes.plot(side, evaluate(points, lam, c, line), color=BLUE, label="with affine part")
         axes.set(xlabel="$x_1$", ylabel="$f$", xlim=(-reach, reach))
         axes.legend()
     return page
 
 
 # %% [markdown]
-# **What to look at.** Both go through the data. Between the points they may look alike; beyond them
-# they have nothing in common: one grows like $R^2 \log R$ with the distance $R$, the other no
-# faster than a plane.
+# **What to look at.** Both fields interpolate the data. Between the points they may look alike.
+# Outside they differ: the field without constraints grows like $R^2 \log R$ with the distance $R$,
+# the other one at most like an affine function.
 
 # %% [markdown]
-# ## When does it work?
+# ## When is the solution unique?
 #
-# One often reads that $\mathbf{H}_{\mathrm{RBF}}$ is symmetric and positive definite, so that (3.5)
-# always has exactly one solution. Symmetric it is. For the rest, count: a symmetric matrix is
-# positive definite if all its eigenvalues are positive, and it can be inverted if none is zero.
+# The notes say that $\mathbf{H}_{\mathrm{RBF}}$ is symmetric and positive definite, so that (3.5)
+# always has a unique solution (page 13). It is symmetric. The rest follows from its eigenvalues: a
+# symmetric matrix is positive definite if all of them are positive, and invertible if none is zero.
 #
 # ### 03.5 The signs of the eigenvalues
 #
 # Write a function that returns how many eigenvalues of $\mathbf{H}_{\mathrm{RBF}}$ are positive,
-# how many negative, and how many zero. A computed eigenvalue is never quite zero; take for zero
-# what is much smaller than the largest.
+# how many negative, and how many zero. These three numbers are called the *inertia* of the matrix.
+#
+# A computed eigenvalue is rarely exactly zero. Count it as zero if its absolute value is less than
+# $10^{-12}$ times the largest absolute value. Rounding errors are relative to the largest
+# eigenvalue, for every unit of length.
 #
 # <details><summary>Hint</summary>
 #
-# `numpy.linalg` has a function for eigenvalues of symmetric matrices, which are real. What
-# difference to the largest would you ascribe to rounding, if numbers have sixteen digits?
+# `numpy.linalg` has a function for the eigenvalues of symmetric matrices. Divide them by the
+# largest absolute value, then count.
 #
 # </details>
 
 
-# %% question="03.5"
+# %% question="03.5" minutes=20
 def inertia(points):
     """Return the numbers of positive, negative and zero eigenvalues of H_RBF, for points (N, D)."""
     # BEGIN SOLUTION
     eigenvalues = np.linalg.eigvalsh(system_matrix(points))
-    relative = eigenvalues / np.ptp(eigenvalues)
-    positive, negative = np.sum(relative > 1e-10), np.sum(relative < -1e-10)
+    relative = eigenvalues / np.linalg.norm(eigenvalues, np.inf)
+    positive, negative = np.sum(relative > 1e-12), np.sum(relative < -1e-12)
     return positive, negative, len(relative) - positive - negative
     # END SOLUTION
 
@@ -384,7 +461,7 @@ def flattened(height):
     h = system_matrix(points)
     spectrum = np.linalg.eigvalsh(h)
     number = np.arange(1, len(spectrum) + 1)
-    told = "{} positive, {} negative, {} zero".format(*(int(k) for k in inertia(points)))
+    counts = "{} positive, {} negative, {} zero".format(*(int(k) for k in inertia(points)))
     with figure(6.4, 3.0) as page:
         axes = page.subplots()
         for sign, color, marker, label in (
@@ -395,40 +472,42 @@ def flattened(height):
             axes.semilogy(
                 number[chosen], np.abs(spectrum[chosen]), marker, color=color, label=label
             )
-        axes.set(xlabel="number of the eigenvalue", ylabel="size", ylim=(1e-18, 1e2), title=told)
+        axes.set(xlabel="number of the eigenvalue", ylabel="size", ylim=(1e-18, 1e2), title=counts)
         axes.legend(loc="lower right")
     return page
 
 
 # %% [markdown]
-# **What to look at.** Twelve points of a box whose height you choose. How many eigenvalues are
-# negative? Make the box flatter, until all points lie on one line: what happens to one of them, and
-# what does that mean for (3.5)?
+# **What to look at.** The picture has twelve points in a box. How many eigenvalues are negative?
+# Make the box flatter, until all points lie on one line. Which eigenvalue becomes zero, and what
+# does that mean for (3.5)?
 
 # %% [markdown]
 # ## The gradient
 #
-# Fields are reconstructed to be differentiated: a force is the gradient of a pressure. From (3.2)
+# A force is the gradient of a pressure, so we often need the gradient of the field. From (3.2)
 #
 # $$ \nabla f(\mathbf{x}) = (c_1, \dots, c_D)^T +
 #    \sum_{j=1}^N \lambda_j\, \nabla w(\mathbf{x} - \mathbf{p}_j) . \tag{3.6} $$
 #
 # ### 03.6 The gradient
 #
-# Find $\nabla w$ with pen and paper, with the product rule and the chain rule. What is its limit
-# for $\mathbf{y} \to \mathbf{0}$? Then write (3.6). It must hold at the points of the data too.
+# Compute $\nabla w$ on paper, with the product rule and the chain rule. What is its limit for
+# $\mathbf{y} \to \mathbf{0}$? Then write (3.6). It must be right at the centres too. Test it by
+# central differences of your field, as in notebook 02, before you run the check.
+# A difference quotient itself is no answer: no step suits every unit of length.
 #
 # <details><summary>Hint</summary>
 #
-# Call $s = \lVert\mathbf{y}\rVert^2 = y_1^2 + \dots + y_D^2$. What is $\partial s / \partial y_k$,
-# and what is the derivative of $s \log s$ by $s$?
+# Let $s = \lVert\mathbf{y}\rVert^2 = y_1^2 + \dots + y_D^2$. What is $\partial s / \partial y_k$,
+# and what is the derivative of $s \log s$ with respect to $s$?
 #
 # </details>
 
 
-# %% question="03.6"
+# %% question="03.6" minutes=20
 def gradient(points, lam, c, x):
-    """Return the gradient (3.6) at places x of shape (M, D), as an array of shape (M, D)."""
+    """Return the gradient (3.6) at evaluation points x (M, D), as an array of shape (M, D)."""
     # BEGIN SOLUTION
     y = x[:, np.newaxis] - points
     squared = np.sum(y**2, axis=-1)
@@ -450,14 +529,12 @@ def arrows():
     lam, c = coefficients(points, values)
     side, coarse = np.linspace(0, 1, 81), np.linspace(0.03, 0.97, 15)
     grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
-    places = np.stack(np.meshgrid(coarse, coarse), axis=-1).reshape(-1, 2)
+    x = np.stack(np.meshgrid(coarse, coarse), axis=-1).reshape(-1, 2)
     with figure(4.4, 4.2) as page:
         axes = page.subplots()
         field = evaluate(points, lam, c, grid).reshape(81, 81)
         axes.contour(side, side, field, levels=16, cmap="viridis", linewidths=1.2)
-        axes.quiver(
-            *places.T, *gradient(points, lam, c, places).T, color=GREY, width=0.005, scale=120
-        )
+        axes.quiver(*x.T, *gradient(points, lam, c, x).T, color=GREY, width=0.005, scale=120)
         axes.plot(*points.T, "o", color=ORANGE)
         axes.set(
             xlabel="$x_1$",
@@ -471,27 +548,29 @@ def arrows():
 
 
 # %% [markdown]
-# **What to look at.** The arrows stand at right angles to the level lines, and they are long where
-# the lines are close.
+# **What to look at.** The arrows are perpendicular to the level lines, and they are long where the
+# level lines are close together.
 #
-# ## The energy of bending
+# ## The bending energy
 #
-# Why this kernel, of all? In the plane, among all functions that go through the values, (3.2) is
-# the one that bends least: its *bending energy*
+# Among all functions of the plane that interpolate the values, (3.2) has the least *bending energy*
 #
 # $$ E = \int_{\mathbb{R}^2} \Bigl( \frac{\partial^2 f}{\partial x_1^2} \Bigr)^2 +
 #    2 \Bigl( \frac{\partial^2 f}{\partial x_1 \partial x_2} \Bigr)^2 +
 #    \Bigl( \frac{\partial^2 f}{\partial x_2^2} \Bigr)^2 \, d\mathbf{x} =
-#    16\pi\, \boldsymbol{\lambda}^T \mathbf{A} \boldsymbol{\lambda} \tag{3.7} $$
+#    16\pi\, \boldsymbol{\lambda}^T \mathbf{A} \boldsymbol{\lambda} . \tag{3.7} $$
 #
-# is the smallest possible. The integral over the whole plane is finite only because of (3.4).
+# The integral over the whole plane is finite only because of (3.4). It cannot be negative. So
+# $\boldsymbol{\lambda}^T \mathbf{A} \boldsymbol{\lambda} \geq 0$ for all $\boldsymbol{\lambda}$
+# that satisfy (3.4), although $\mathbf{A}$ itself has eigenvalues of both signs. Such a kernel is
+# called *conditionally positive definite*.
 #
 # ### 03.7 The energy
 #
 # Write $E$ for points of the plane and their values.
 
 
-# %% question="03.7"
+# %% question="03.7" minutes=15
 def energy(points, values):
     """Return E of (3.7), a number, for points (N, 2) and values (N,)."""
     # BEGIN SOLUTION
@@ -512,60 +591,58 @@ def one_value_changed(which):
     i = which - 1
     others = np.delete(points, i, axis=0)
     lam, c = coefficients(others, np.delete(values, i))
-    foretold = evaluate(others, lam, c, points[[i]])[0]
+    predicted = evaluate(others, lam, c, points[[i]])[0]
     heights = np.linspace(-4, 4, 81)
     energies = [energy(points, np.r_[values[:i], height, values[which:]]) for height in heights]
     with figure(6.4, 2.9) as page:
         axes = page.subplots()
         axes.plot(heights, energies, color=BLUE, label="energy")
-        axes.axvline(values[i], color=PURPLE, ls=":", label="its measured value")
-        axes.axvline(foretold, color=GREEN, ls="--", label="the field of the others there")
+        axes.axvline(values[i], color=PURPLE, ls=":", label="measured value")
+        axes.axvline(predicted, color=GREEN, ls="--", label="field of the others")
         axes.set(xlabel=f"value at point {which}", ylabel="$E$", ylim=(0, None))
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
 
 
 # %% [markdown]
-# **What to look at.** The value of one of your points is changed and the others are kept. The
-# energy is a parabola, never negative, and it is smallest exactly where the field that knows
-# nothing of this point would have put it. How large is the $\lambda_j$ of that point then?
+# **What to look at.** The value of one of your points is changed, and the others are kept. The
+# energy is a parabola and never negative. Its minimum is the value that the field of the other
+# points has there. What is $\lambda_j$ of this point at the minimum?
 #
 # ## In words
 #
-# **03.8** Discuss the role of the orthogonality constraints (3.4). What would be lost without them?
+# **03.8** What would be lost without the orthogonality constraints (3.4)? Give four consequences,
+# with a reason for each.
 #
 # <details><summary>Hint</summary>
 #
-# Four things can be said: about the number of equations, about data that are affine, about places
-# far away, about whether there is one solution only. For the last, let
-# $\mathbf{A}\boldsymbol{\lambda} + \mathbf{B}\mathbf{c} = \mathbf{0}$, multiply by
-# $\boldsymbol{\lambda}^T$ from the left, and use that
+# Consider the number of equations, affine data, the field far away, and uniqueness. For uniqueness
+# let $\mathbf{A}\boldsymbol{\lambda} + \mathbf{B}\mathbf{c} = \mathbf{0}$ and multiply by
+# $\boldsymbol{\lambda}^T$ from the left. Then use that
 # $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda}$ is an energy.
 #
 # </details>
 
-# %% [markdown] answer="03.8" points=4
-# *Counting.* The field has $N + D + 1$ unknowns and goes through $N$ values; the constraints are
-# the $D + 1$ equations that lack.
+# %% [markdown] answer="03.8" points=4 minutes=15 words=80
+# *Counting.* The field has $N + D + 1$ unknowns and must satisfy $N$ interpolation conditions. The
+# constraints are the $D + 1$ missing equations.
 #
 # *Affine data.* If $\phi_i = \mathbf{b}(\mathbf{p}_i)^T\mathbf{a}$, then $\boldsymbol{\lambda} =
 # \mathbf{0}$, $\mathbf{c} = \mathbf{a}$ satisfies all equations. So affine fields are reproduced
-# exactly; bumps alone do not do that.
+# exactly. Kernels alone do not reproduce them.
 #
-# *Far away.* Each bump grows like $R^2 \log R$. Expanded for large $R$, the fastest terms carry the
-# factors $\sum_j \lambda_j$ and $\sum_j \lambda_j \mathbf{p}_j$, which (3.4) makes zero. What is
-# left grows no faster than the plane, and the energy of bending is finite.
+# *Far away.* Each kernel grows like $R^2 \log R$. Expanded for large $R$, the fastest terms have
+# the factors $\sum_j \lambda_j$ and $\sum_j \lambda_j \mathbf{p}_j$, which (3.4) makes zero. The
+# remaining terms grow at most like an affine function, and the bending energy is finite.
 #
-# *Uniqueness.* For vectors that satisfy (3.4),
+# *Uniqueness.* For distinct points and vectors that satisfy (3.4),
 # $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda}$ is positive unless $\boldsymbol{\lambda} =
-# \mathbf{0}$, if the points are distinct. With zero values (3.5) gives
-# $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda}
-# = -(\mathbf{B}^T\boldsymbol{\lambda})^T\mathbf{c}
-# = 0$, hence $\boldsymbol{\lambda} = \mathbf{0}$ and then $\mathbf{B}\mathbf{c} = \mathbf{0}$.
-# Without the constraints $\mathbf{A}$ may be singular: for an equilateral triangle of side one it
-# is zero.
+# \mathbf{0}$. With zero values (3.5) gives $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} =
+# -(\mathbf{B}^T\boldsymbol{\lambda})^T\mathbf{c} = 0$, hence $\boldsymbol{\lambda} = \mathbf{0}$
+# and then $\mathbf{B}\mathbf{c} = \mathbf{0}$. Without the constraints $\mathbf{A}$ may be
+# singular: for an equilateral triangle of side 1 it is the zero matrix.
 #
-# They are also the conditions for the least energy, with $\mathbf{c}$ as Lagrange multipliers; and
+# They are also the conditions for the least energy, with $\mathbf{c}$ as Lagrange multipliers. And
 # they make the field independent of the unit of length.
 
 # %% [markdown] rubric="03.8"
@@ -574,51 +651,49 @@ def one_value_changed(which):
 # independence of the unit may stand for one of them.
 
 # %% [markdown]
-# **03.9** What are the dimensions of $\mathbf{H}_{\mathrm{RBF}}$? Is it positive definite, and may
-# a Cholesky factorization be used for it? When does (3.5) have exactly one solution?
+# **03.9** The notes say about (3.5): "This is a symmetric positive definite system and will always
+# have a unique solution" (page 13). Correct this statement, with reasons.
 #
 # <details><summary>Hint</summary>
 #
 # For a positive definite matrix $\mathbf{v}^T\mathbf{H}\mathbf{v} > 0$ for each vector $\mathbf{v}
-# \neq \mathbf{0}$. Try one with a single entry other than zero. For the last question look at your
-# flattened box.
+# \neq \mathbf{0}$. Try a unit vector. For uniqueness look at your flattened box, and at two equal
+# points.
 #
 # </details>
 
-# %% [markdown] answer="03.9" points=4
-# $\mathbf{H}_{\mathrm{RBF}}$ is $(N + D + 1) \times (N + D + 1)$.
+# %% [markdown] answer="03.9" points=4 minutes=15 words=80
+# $\mathbf{H}_{\mathrm{RBF}}$ is $(N + D + 1) \times (N + D + 1)$. It is symmetric, but not positive
+# definite: with the first unit vector $\mathbf{e}_1^T\mathbf{H}\mathbf{e}_1 = w(\mathbf{0}) = 0$.
+# Its trace is zero, so there are eigenvalues of both signs: $N$ positive and $D + 1$ negative ones,
+# if the solution is unique. A Cholesky factorization needs a positive pivot at each step and fails
+# at the first, which is zero. Suitable are elimination with row exchanges, a factorization
+# $\mathbf{L}\mathbf{D}\mathbf{L}^T$, or Cholesky for $\mathbf{A}$ restricted to the vectors that
+# satisfy (3.4), where it is positive definite.
 #
-# It is symmetric but not positive definite: with the first unit vector
-# $\mathbf{e}_1^T\mathbf{H}\mathbf{e}_1 = w(\mathbf{0}) = 0$. The trace is zero, so there are
-# eigenvalues of both signs: $N$ positive and $D + 1$ negative ones, if the solution is unique.
-# Cholesky needs the root of a positive pivot at each step and fails at the first, which is zero;
-# the same holds for conjugate gradients. One takes elimination with row exchanges, or a
-# factorization $\mathbf{L}\mathbf{D}\mathbf{L}^T$, or Cholesky for the part of $\mathbf{A}$ on the
-# vectors that satisfy (3.4), which is positive definite.
-#
-# There is one solution for all values if and only if the points are distinct and no hyperplane
-# holds them all: not on a line in the plane, not in a plane of space. Two equal points make two
-# rows equal. On a common line an affine field that vanishes there can be added to $f$, which still
-# goes through the values.
+# There is a unique solution for all values if and only if the points are distinct and unisolvent
+# for affine fields, that is, no hyperplane contains all of them. Two equal points make two rows
+# equal. For points on one line of the plane, an affine field that vanishes on the line can be added
+# to $f$, and the sum still interpolates the values.
 
 # %% [markdown] rubric="03.9"
-# One point for the dimensions. One for indefinite, with a reason: zero diagonal, zero trace, or
-# counted eigenvalues. One for why Cholesky fails, or what to use instead. One for distinct points
-# that are in no common hyperplane.
+# Two points for indefinite, with a reason: zero diagonal, zero trace, or counted eigenvalues; half
+# of them if the reason is missing. Two for uniqueness: one for distinct points, one for points that
+# no hyperplane contains.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - Measure your points in another unit: multiply them all by 1000, and the places $\mathbf{x}$ too.
-#   Does the field change? Do $\boldsymbol{\lambda}$ and $\mathbf{c}$? Show with (3.4) why $\sum_j
-#   \lambda_j \lVert\mathbf{x} - \mathbf{p}_j\rVert^2$ does not depend on $\mathbf{x}$, and what
-#   that has to do with it.
-# - The $\lambda_j$ are sometimes called Lagrange multipliers. Write the conditions for a minimum of
-#   $\tfrac12\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} -
-#   \boldsymbol{\phi}^T\boldsymbol{\lambda}$ under (3.4). Which of the unknowns are the multipliers?
-# - In space the sheet that bends least has another shape round a pin, $-\lVert\mathbf{y}\rVert$.
-#   Put it in the place of $w$. What becomes of the gradient at the points of the data?
-# - How does the time of `coefficients` grow with $N$? Where is the limit on your computer?
+# - *Another unit.* Multiply all points and evaluation points by 1000. Does the field change? Do
+#   $\boldsymbol{\lambda}$ and $\mathbf{c}$? Show with (3.4) that $\sum_j \lambda_j
+#   \lVert\mathbf{x} - \mathbf{p}_j\rVert^2$ does not depend on $\mathbf{x}$, and use it to explain
+#   your observation.
+# - *Lagrange multipliers.* The notes call the $\lambda_j$ Lagrange multipliers (page 11). Write the
+#   conditions for a minimum of $\tfrac12\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} -
+#   \boldsymbol{\phi}^T\boldsymbol{\lambda}$ under (3.4). Which unknowns are the multipliers?
+# - *Space.* In three dimensions the kernel with the least bending energy is
+#   $-\lVert\mathbf{y}\rVert$. Use it instead of $w$. What happens to the gradient at the centres?
+# - *Cost.* How does the time of `coefficients` grow with $N$?
 
 # %%
 progress()

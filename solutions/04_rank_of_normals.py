@@ -1,5 +1,10 @@
 # ---
 # jupyter:
+#   course:
+#     builds_on:
+#       "01": least squares, the rank of a matrix and its tolerance
+#     pages: slides, pages 18–22 and 42
+#     chapters: [06-vertex-velocities]
 #   jupytext:
 #     text_representation:
 #       extension: .py
@@ -13,12 +18,23 @@
 # %% [markdown]
 # # The rank of a velocity system
 #
-# Simulations of fluids often know only what flows *across* the edges of a mesh: one number for each
-# edge. The whole velocity has to be found from many such numbers. When can it be found, and when is
-# there a flow that no edge sees? By the end of this notebook you can answer for any points and any
-# normals, and you know why "six equations for six unknowns" proves nothing.
+# Many flow solvers know only the velocity *across* each edge of a mesh: one number for each edge,
+# the normal component. The whole velocity has to be reconstructed from several of these numbers. In
+# this notebook you find out when they determine an affine flow. Six equations for six unknowns are
+# not enough: the rank of the system depends on the positions and on the normals.
+#
+# **Search for**: full column rank, null space, singular value decomposition, normal velocity,
+# staggered (MAC) grid, stream function, conic through five points. **Read**: Strang, *Introduction
+# to Linear Algebra*, the chapters on the four subspaces and on the singular value decomposition.
 #
 # Each question asks for a function. Write it, run its cell, and run the check below it.
+#
+# ## A finished function
+#
+# The next cell ends with a finished function, `velocity`. Read it and imitate its style. It
+# evaluates an affine flow $\mathbf{u}(x, y) = \mathbf{c}_0 + x\,\mathbf{c}_1 + y\,\mathbf{c}_2$ at
+# $M$ points. Its six coefficients are one array, $(\mathbf{c}_0, \mathbf{c}_1, \mathbf{c}_2)$.
+# `np.outer` multiplies each coordinate by each component.
 
 # %% tags=["setup"]
 import numpy as np
@@ -28,6 +44,7 @@ from fieldcheck import (
     GREY,
     ORANGE,
     Slider,
+    case,
     check,
     data,
     draw,
@@ -38,9 +55,18 @@ from fieldcheck import (
 
 
 def velocity(c, x):
-    """Return u of (4.1) at places x of shape (M, 2), for coefficients c of shape (6,)."""
+    """Return u of (4.1) at points x of shape (M, 2), for coefficients c of shape (6,)."""
     c_0, c_1, c_2 = np.reshape(c, (3, 2))
     return c_0 + np.outer(x[:, 0], c_1) + np.outer(x[:, 1], c_2)
+
+
+# %% [markdown]
+# For example, $\mathbf{c}_0 = (0, 0)$, $\mathbf{c}_1 = (0, 1)$, $\mathbf{c}_2 = (-1, 0)$ is the
+# rotation $\mathbf{u} = (-y, x)$ about the origin.
+
+# %%
+example_flow = np.array([0, 0, 0, 1, -1, 0])
+print(velocity(example_flow, np.array([[1.0, 0.0], [0.0, 2.0], [1.0, 1.0]])))
 
 
 # %% [markdown]
@@ -68,19 +94,19 @@ def draw_flow(axes, c, color=GREY):
     )
 
 
-def turned(normals, degrees):
-    """Return normals turned to the left, by one angle or by one for each."""
+def rotated(normals, degrees):
+    """Return normals rotated counter-clockwise, by one angle or by one for each."""
     a, b = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     x, y = normals.T
     return np.stack([a * x - b * y, b * x + a * y], axis=1)
 
 
 # %% [markdown]
-# ## The problem in a picture
+# ## Normal velocities
 #
-# Six edges. On each of them the velocity across it is measured, and nothing else. Grey is one flow,
-# orange another: at zero they are the same. Move the slider. What changes on the left? And on the
-# right, where the measurements are?
+# The picture has six edges. On each of them only the normal component of the velocity is measured.
+# The grey and the orange arrows are two flows, which are equal for the amount zero. Move the
+# slider, and compare the arrows on the left with the measurements on the right.
 
 
 # %%
@@ -95,21 +121,21 @@ def two_flows(amount):
         left, right = page.subplots(1, 2)
         draw_edges(left, points, normals)
         for k, (p, n) in enumerate(zip(points, normals, strict=True), start=1):
-            left.annotate(str(k), p - 0.14 * n, ha="center", va="center", color=BLUE)
+            left.annotate(str(k), p + 0.13 * n, ha="center", va="center", color=BLUE)
         for k, (c, color) in enumerate(((one, GREY), (other, ORANGE))):
             flow = velocity(c, points)
             left.quiver(*points.T, *flow.T, color=color, scale=3, width=0.012)
             across = np.einsum("nd,nd->n", normals, flow)
             right.bar(np.arange(1, 7) + 0.4 * k - 0.2, across, 0.36, color=color)
-        left.set(xlim=(-0.15, 1.15), ylim=(-0.05, 1.1))
+        left.set(xlim=(-0.2, 1.15), ylim=(-0.05, 1.15))
         right.axhline(0, color="black", lw=0.8)
-        right.set(xlabel="edge", ylabel="velocity across it", ylim=(-0.6, 0.6))
+        right.set(xlabel="edge", ylabel="normal velocity", ylim=(-0.6, 0.6))
     return page
 
 
 # %% [markdown]
-# Two different flows, the same six numbers. Whoever has only the numbers cannot know which it was.
-# Why does it happen for these six edges?
+# The two flows are different, and their six measurements are equal. So these measurements do not
+# determine the flow. This notebook finds the reason.
 #
 # ## The system
 #
@@ -118,12 +144,13 @@ def two_flows(amount):
 # $$ \mathbf{u}(\mathbf{x}) = \mathbf{c}_0 + x\,\mathbf{c}_1 + y\,\mathbf{c}_2, \qquad
 #    \mathbf{c}_0, \mathbf{c}_1, \mathbf{c}_2 \in \mathbb{R}^2 , \tag{4.1} $$
 #
-# where $\mathbf{x} = (x, y)^T$. At the place $\mathbf{p}_i = (x_i, y_i)^T$ the component along the
-# unit normal $\mathbf{n}_i$ is known,
+# where $\mathbf{x} = (x, y)^T$. At the point $\mathbf{p}_i = (x_i, y_i)^T$ the component along the
+# unit normal $\mathbf{n}_i$ is known:
 #
 # $$ \mathbf{n}_i^T \mathbf{u}(\mathbf{p}_i) = v_i , \qquad i = 1, \dots, N . \tag{4.2} $$
 #
-# These are $N$ linear equations $\mathbf{B}'\mathbf{c} = \mathbf{V}'$ for the six numbers
+# A *sample* is a point with its normal. The samples give $N$ linear equations
+# $\mathbf{B}'\mathbf{c} = \mathbf{V}'$ for the six numbers
 # $\mathbf{c} = (\mathbf{c}_0, \mathbf{c}_1, \mathbf{c}_2)$:
 #
 # $$ \mathbf{B}' = \begin{bmatrix} \mathbf{n}_1^T & x_1\mathbf{n}_1^T & y_1\mathbf{n}_1^T \\
@@ -131,24 +158,45 @@ def two_flows(amount):
 #    \end{bmatrix},
 #    \qquad \mathbf{V}' = \begin{bmatrix} v_1 \\ \vdots \\ v_N \end{bmatrix}. \tag{4.3} $$
 #
-# In space there is a fourth block $z_i\mathbf{n}_i^T$; in $D$ dimensions there are $D + D^2$
+# In space there is a fourth block $z_i\mathbf{n}_i^T$. In $D$ dimensions there are $D + D^2$
 # columns.
 #
+# ### Example: three samples, by hand
+#
+# Take the points $(1, 0)$, $(0, 2)$, $(1, 1)$ with the unit normals $(1, 0)$, $(0, 1)$, $(\tfrac35,
+# \tfrac45)$. Each row of (4.3) has the normal, then $x$ times the normal, then $y$ times the
+# normal:
+#
+# $$ \mathbf{B}' = \begin{bmatrix} 1 & 0 & 1 & 0 & 0 & 0 \\ 0 & 1 & 0 & 0 & 0 & 2 \\
+#    \tfrac35 & \tfrac45 & \tfrac35 & \tfrac45 & \tfrac35 & \tfrac45 \end{bmatrix}. $$
+#
+# For the rotation $\mathbf{c} = (0, 0, 0, 1, -1, 0)$ the product is $\mathbf{B}'\mathbf{c} = (0, 0,
+# \tfrac45 - \tfrac35) = (0, 0, \tfrac15)$. Directly: the velocity at $(1, 1)$ is $(-1, 1)$, and its
+# component along $(\tfrac35, \tfrac45)$ is $\tfrac15$. The next cell checks these numbers.
+
+# %%
+three_normals = np.array([[1.0, 0.0], [0.0, 1.0], [0.6, 0.8]])
+three_rows = np.array([[1, 0, 1, 0, 0, 0], [0, 1, 0, 0, 0, 2], [0.6, 0.8, 0.6, 0.8, 0.6, 0.8]])
+three_velocities = velocity(example_flow, np.array([[1.0, 0.0], [0.0, 2.0], [1.0, 1.0]]))
+print("B' c:", three_rows @ example_flow)
+print("n · u:", np.einsum("id,id->i", three_normals, three_velocities))
+
+
+# %% [markdown]
 # ### 04.1 The matrix
 #
-# Write $\mathbf{B}'$ with its columns in the order of (4.3): first those of $\mathbf{c}_0$, all its
-# components, then those of $\mathbf{c}_1$, and so on.
+# Write $\mathbf{B}'$ with its columns in the order of (4.3): first the two columns of
+# $\mathbf{c}_0$, then those of $\mathbf{c}_1$, and so on. It must work in every dimension $D$.
 #
 # <details><summary>Hint</summary>
 #
-# One block is the array of normals itself. What must each row of it be multiplied by to make the
-# next? Numbers of shape $(N,)$ multiply rows if they are given the shape $(N, 1)$, as `a[:, None]`
-# has.
+# The first block is the array of normals. By which number must each of its rows be multiplied for
+# the next block? An array of shape $(N, 1)$, such as `a[:, None]`, multiplies rows.
 #
 # </details>
 
 
-# %% question="04.1"
+# %% question="04.1" minutes=20
 def velocity_matrix(points, normals):
     """Return B' of (4.3), of shape (N, D + D²), for points and normals of shape (N, D)."""
     # BEGIN SOLUTION
@@ -165,24 +213,28 @@ check("04.1")
 # %% [markdown]
 # ## The rank
 #
-# The flow is determined by its samples exactly if $\mathbf{B}'$ has *full column rank*: six in the
-# plane. In 01 you have seen that counting points is not enough. Here it is not enough either.
+# The samples determine the flow if and only if $\mathbf{B}'$ has *full column rank*: six in the
+# plane. In notebook 01 the number of points did not decide the rank, and here the number of samples
+# does not.
 #
 # ### 04.2 The rank
 #
-# Write a function that returns the rank of $\mathbf{B}'$. It must not depend on where the origin
-# is, nor on the unit of length; normals are unit vectors. And what is zero but for rounding is
-# zero.
+# Write a function that returns the rank of $\mathbf{B}'$. It must depend neither on the position of
+# the origin nor on the unit of length. All normals are unit vectors.
+#
+# Rounding turns zero singular values into small ones. Scale the points to size one, and count
+# singular values below $10^{-9}$ as zero.
 #
 # <details><summary>Hint</summary>
 #
-# Moving all points together changes $\mathbf{c}_0$ and not what can be known. So does another unit.
-# Bring the points to the origin and to the size one first. Then one tolerance fits all.
+# A common translation of all points changes $\mathbf{c}_0$, but not the rank. A change of the unit
+# scales $\mathbf{c}_1$ and $\mathbf{c}_2$, but does not change the rank either. Subtract the mean
+# of the points and divide by their extent first. Then one tolerance suits all cases.
 #
 # </details>
 
 
-# %% question="04.2"
+# %% question="04.2" minutes=10
 def velocity_rank(points, normals):
     """Return the rank of B' for points and unit normals of shape (N, D), a whole number."""
     # BEGIN SOLUTION
@@ -205,10 +257,10 @@ def four_ranks():
     radial = (points - middle) / np.linalg.norm(points - middle, axis=1)[:, None]
     up = np.tile([0.0, 1.0], (8, 1))
     cases = {
-        "at random": turned(up, random.uniform(0, 360, 8)),
+        "at random": rotated(up, random.uniform(0, 360, 8)),
         "parallel": up,
-        "two not parallel": turned(up, [0, 50, 0, 0, 0, 0, -20, 0]),
-        "through one place": radial,
+        "two not parallel": rotated(up, [0, 50, 0, 0, 0, 0, -20, 0]),
+        "through one point": radial,
     }
     with figure(6.4, 2.1) as page:
         for axes, (name, normals) in zip(page.subplots(1, 4), cases.items(), strict=True):
@@ -218,35 +270,35 @@ def four_ranks():
 
 
 # %% [markdown]
-# **What to look at.** The eight points, your own, are the same each time, and $\mathbf{B}'$ has
-# eight rows each time. Only the normals differ. The second and the third loss can be guessed. The
-# last cannot: no two of its normals are parallel.
+# **What to look at.** The eight points are the same in all pictures, and $\mathbf{B}'$ has eight
+# rows each time. Only the normals differ. The second and the third loss of rank are easy to
+# explain. The fourth is not: no two of these normals are parallel.
 #
-# ## What is lost
+# ## The null space
 #
-# If the rank is less than six there is a vector $\mathbf{c} \neq \mathbf{0}$ with
+# If the rank is less than six, there is a vector $\mathbf{c} \neq \mathbf{0}$ with
 #
 # $$ \mathbf{B}'\mathbf{c} = \mathbf{0} \quad\Longleftrightarrow\quad
 #    \mathbf{n}_i^T \mathbf{u}(\mathbf{p}_i) = 0 \ \text{ for all } i . \tag{4.4} $$
 #
-# Read the right side: $\mathbf{u}$ is an affine flow that runs *along* every edge. No edge sees it,
-# so it can be added to any solution. That is the whole truth about the rank: it is full if and only
-# if no affine flow other than zero is tangent to all samples.
+# So $\mathbf{u}$ is an affine flow that is *tangent* to every edge. All its normal velocities are
+# zero, so it can be added to every solution. In short: $\mathbf{B}'$ has full column rank if and
+# only if no affine flow except zero is tangent to all samples.
 #
-# ### 04.3 The flow that no edge sees
+# ### 04.3 A tangent flow
 #
 # For samples with $\operatorname{rank}\mathbf{B}' = 5$ return the coefficients $\mathbf{c}$ of such
-# a flow. Its size and sign are up to you, but it must not be zero.
+# a flow. Its size and its sign are arbitrary, but it must not be zero.
 #
 # <details><summary>Hint</summary>
 #
-# `np.linalg.svd` returns three arrays. The rows of the last one are at right angles to each other.
-# What does $\mathbf{B}'$ do to each of them?
+# `np.linalg.svd` returns three arrays. The rows of the last one are orthogonal. What is the product
+# of $\mathbf{B}'$ and each of them?
 #
 # </details>
 
 
-# %% question="04.3"
+# %% question="04.3" minutes=10
 def tangent_field(points, normals):
     """Return c ≠ 0 of (4.4), of shape (6,), for points and normals of shape (N, 2) and rank 5."""
     # BEGIN SOLUTION
@@ -259,13 +311,14 @@ def tangent_field(points, normals):
 check("04.3")
 
 # %% [markdown]
-# ### 04.4 The other way round
+# ### 04.4 Normals for a given flow
 #
-# Take any affine flow and any points. Which normals hide this flow? Return one unit normal for each
-# point, of either sign. `velocity(c, points)` is written for you.
+# Conversely, every affine flow is tangent to suitable samples at any points. For a given flow,
+# return one unit normal of either sign at each point, such that the normal velocity is zero. Use
+# `velocity(c, points)`.
 
 
-# %% question="04.4"
+# %% question="04.4" minutes=5
 def crossing_normals(points, c):
     """Return unit normals (N, 2) with n_i · u(p_i) = 0, for points (N, 2) and c of shape (6,)."""
     # BEGIN SOLUTION
@@ -278,10 +331,10 @@ def crossing_normals(points, c):
 check("04.4")
 
 # %% [markdown]
-# ## Look at it
+# ## Five tangent flows
 #
-# Five flows, the same ten points. The normals are yours, from 04.4; the stream lines are yours too,
-# from 04.3, which knows nothing of the flow but the normals.
+# The picture shows five flows and the same ten points. The normals come from your function of 04.4.
+# The stream lines come from your function of 04.3, which uses the normals only.
 
 
 # %%
@@ -305,30 +358,31 @@ def five_flows():
 
 
 # %% [markdown]
-# **What to look at.** Every affine flow hides from *some* edges at *any* points. Ten equations, six
-# unknowns, no two normals parallel, and the rank is five.
+# **What to look at.** There are ten equations for six unknowns, no two normals are parallel, and
+# the rank is five.
 #
-# ### Turn the normals until the rank drops
+# ### A sample that rotates
 #
-# Six samples that hide a rotation. Turn one normal, or all of them together, and watch the smallest
-# singular value of $\mathbf{B}'$: the rank is lost where it is zero.
+# The next picture begins with six samples to which a rotation is tangent. Rotate the normal of one
+# sample, or all normals together, and observe the smallest singular value of $\mathbf{B}'$. The
+# rank drops where it is zero.
 
 
 # %%
 @draw(
-    one=Slider(-90, 90, 0, "turn one", steps=60),
-    together=Slider(-90, 90, 0, "turn all", steps=60),
+    one=Slider(-90, 90, 0, "rotate one", steps=60),
+    together=Slider(-90, 90, 0, "rotate all", steps=60),
 )
-def turning(one, together):
+def rotating(one, together):
     points = np.random.default_rng(8).random((6, 2))
     hidden = crossing_normals(points, np.array([0.5, -0.5, 0, 1, -1, 0]))
 
     def smallest(angle, of_all):
-        n = turned(hidden, of_all + angle * (np.arange(6) == 2))
+        n = rotated(hidden, of_all + angle * (np.arange(6) == 2))
         return np.linalg.svd(velocity_matrix(points, n), compute_uv=False)[-1]
 
     angles = np.linspace(-90, 90, 121)
-    normals = turned(hidden, together + one * (np.arange(6) == 2))
+    normals = rotated(hidden, together + one * (np.arange(6) == 2))
     rank = int(velocity_rank(points, normals))
     with figure(6.4, 2.9) as page:
         left, right = page.subplots(1, 2, width_ratios=(2, 3))
@@ -336,9 +390,9 @@ def turning(one, together):
             draw_flow(left, tangent_field(points, normals))
         draw_edges(left, points, normals)
         left.plot(*points[2], "o", color=ORANGE)
-        left.set(title=f"rank {rank}" + ("" if rank == 6 else ", and what is not seen"))
-        right.plot(angles, [smallest(a, together) for a in angles], color=GREY, label="turn one")
-        right.plot(angles, [smallest(one, a) for a in angles], "--", color=BLUE, label="turn all")
+        left.set(title=f"rank {rank}" + ("" if rank == 6 else ", a tangent flow"))
+        right.plot(angles, [smallest(a, together) for a in angles], color=GREY, label="rotate one")
+        right.plot(angles, [smallest(one, a) for a in angles], "--", color=BLUE, label="rotate all")
         right.plot(one, smallest(one, together), "o", ms=8, color=ORANGE)
         right.set(xlabel="angle in degrees", ylabel="smallest singular value", ylim=(-0.01, None))
         right.legend()
@@ -346,43 +400,43 @@ def turning(one, together):
 
 
 # %% [markdown]
-# **What to look at.** Turn the one normal (orange dot). The rank is six at once, but the smallest
-# singular value grows only in proportion to the angle: near zero there is a flow that is seen, and
-# hardly, and an error of measurement becomes a large error of that flow. Now put it back, and turn
-# all six together. The value stays at zero! Which flow do they hide at 45 degrees, and which at 90?
-# You find both among the five flows above.
+# **What to look at.** Rotate one normal (orange dot). The rank is six at once, but the smallest
+# singular value grows only in proportion to the angle. For a small angle the system is
+# *ill-conditioned*: small errors of the measurements cause large errors of the flow. Then set this
+# normal back and rotate all six together: the singular value remains zero. To which flow are the
+# edges tangent at 45 degrees, and to which at 90 degrees? Both are among the five flows above.
 
 # %% [markdown]
-# ## The obvious conditions
+# ## Necessary conditions
 #
-# Some losses can be seen with the naked eye. Suppose that all points $\mathbf{p}_i$ are such that
-# $\mathbf{B}$, with the rows $(1, x_i, y_i)$, has full column rank three: they are not on one line.
-# What must hold of the normals?
+# Suppose that the points $\mathbf{p}_i$ are not on one line. Then the matrix $\mathbf{B}$ with the
+# rows $(1, x_i, y_i)$ has full column rank three. Which conditions must the normals satisfy?
 #
-# Consider flows of one fixed direction $\mathbf{m}$, as wind from the west that is stronger in the
+# Consider flows of one fixed direction $\mathbf{m}$, such as a west wind that is stronger in the
 # north: $\mathbf{u}(\mathbf{x}) = \alpha(\mathbf{x})\,\mathbf{m}$ with an affine function $\alpha$.
-# A sample says something about it only if $\mathbf{n}_i^T\mathbf{m} \neq 0$. These samples must
-# determine $\alpha$, so their points must not be on one line either:
+# A sample measures $\alpha$ only if $\mathbf{n}_i^T\mathbf{m} \neq 0$. These samples must determine
+# $\alpha$, so their points must not be on one line:
 #
 # $$ \text{for every direction } \mathbf{m} \neq \mathbf{0} \text{ the points } \mathbf{p}_i \text{
 #    with }
 #    \mathbf{n}_i^T\mathbf{m} \neq 0 \text{ are not on one line.} \tag{4.5} $$
 #
-# ### 04.5 Are they fulfilled?
+# ### 04.5 A test of the conditions
 #
-# Write a function that returns whether (4.5) holds. There are infinitely many directions; for which
-# of them can the condition say more than that all points are not on one line?
+# Write a function that returns whether (4.5) holds. There are infinitely many directions. For which
+# of them is (4.5) stronger than the condition that not all points are on one line?
+# Count a product $\mathbf{n}_i^T\mathbf{m}$ of unit vectors as zero if it is below $10^{-9}$.
 #
 # <details><summary>Hint</summary>
 #
-# A sample is left out for exactly one direction and its opposite. So there are at most $N$
-# directions to try. Points are not on one line if $\mathbf{B}$, made of them, has rank three. The
-# same test does for few points, and for none.
+# Each sample is omitted for exactly one direction and its opposite. So at most $N$ directions must
+# be tested. Points are not on one line if their matrix $\mathbf{B}$ has rank three. This test is
+# also right for fewer than three points.
 #
 # </details>
 
 
-# %% question="04.5"
+# %% question="04.5" minutes=25
 def obvious(points, normals):
     """Return whether (4.5) holds, True or False, for points and unit normals of shape (N, 2)."""
     # BEGIN SOLUTION
@@ -409,40 +463,43 @@ def obvious_or_not():
     up = np.tile([0.0, 1.0], (6, 1))
     cases = [
         ("parallel", points, up),
-        ("two others", points, turned(up, [0, 60, 0, 0, -40, 0])),
-        ("three others", points, turned(up, [0, 60, 90, 0, -40, 0])),
-        ("five in line", line, turned(up, random.uniform(0, 180, 6))),
+        ("two exceptions", points, rotated(up, [0, 60, 0, 0, -40, 0])),
+        ("three exceptions", points, rotated(up, [0, 60, 90, 0, -40, 0])),
+        ("five on a line", line, rotated(up, random.uniform(0, 180, 6))),
         ("a rotation", points, crossing_normals(points, np.array([0.35, -0.6, 0, 1, -1, 0]))),
     ]
     with figure(6.6, 2.2) as page:
         for axes, (name, p, n) in zip(page.subplots(1, 5), cases, strict=True):
             draw_edges(axes, p, n)
-            told = "holds" if obvious(p, n) else "fails"
-            axes.set(title=f"{name}:\n(4.5) {told},\nrank {velocity_rank(p, n)}")
+            status = "holds" if obvious(p, n) else "fails"
+            axes.set(title=f"{name}:\n(4.5) {status},\nrank {velocity_rank(p, n)}")
     return page
 
 
 # %% [markdown]
-# **What to look at.** Where (4.5) fails the rank is less than six, always. But it may hold, and the
-# rank is less all the same. And look at the fourth picture: five points on a line and one beside
-# it. Its normals are random, and whatever they are, the rank will not be six. Can you find the
-# flow?
+# **What to look at.** Where (4.5) fails, the rank is always less than six. But (4.5) may hold
+# although the rank is less than six. The fourth picture has five points on a line and one point off
+# the line. For any normals its rank is less than six. Which flow is tangent to all its edges?
 
 # %% [markdown]
 # ## Stars of triangles
 #
-# In a mesh the normals are not free: they belong to edges. Take a vertex with the triangles round
-# it, and sample at the midpoints of *all* edges of these triangles: $k$ spokes and $k$ edges of the
-# rim.
+# In a mesh the normals are not arbitrary: they belong to edges. The *star* of a vertex consists of
+# the triangles around it. We sample at the midpoints of *all* edges of these triangles: $k$ spokes,
+# which end in the vertex, and $k$ outer edges.
+#
+# By hand: for the spoke from $(0, 0)$ to $(4, 0)$ the midpoint is $(2, 0)$, and a unit normal is
+# $(0, 1)$. For the outer edge from $(4, 0)$ to $(0, 3)$ the midpoint is $(2, \tfrac32)$. The edge
+# vector is $(-4, 3)$, so a unit normal is $(\tfrac35, \tfrac45)$.
 #
 # ### 04.6 The samples of a star
 #
-# Write a function that returns the midpoints and the unit normals: first of the spokes, in the
-# order of the neighbours, then of the rim, from each neighbour to the next, and from the last to
-# the first.
+# Write a function that returns the midpoints and the unit normals. First come the spokes, in the
+# order of the neighbours. Then come the outer edges, from each neighbour to the next, and from the
+# last to the first. Each normal may have either sign.
 
 
-# %% question="04.6"
+# %% question="04.6" minutes=15
 def star_samples(center, ring):
     """Return points and unit normals, both (2k, 2), for a center (2,) and neighbours (k, 2)."""
     # BEGIN SOLUTION
@@ -458,21 +515,24 @@ def star_samples(center, ring):
 check("04.6")
 
 # %% [markdown]
-# ### 04.7 A rank without any normals
+# ### 04.7 The rank from the vertices
 #
-# For such samples there is a surprise. The rank of $\mathbf{B}'$ can be read off the *vertices*
-# alone:
+# For the samples of a star the rank of $\mathbf{B}'$ depends on the *vertices* alone:
 #
 # $$ \operatorname{rank}\mathbf{B}' = \operatorname{rank} \begin{bmatrix}
 #    1 & x_1 & y_1 & x_1^2 & x_1 y_1 & y_1^2 \\ \vdots & & & & & \vdots \\
-#    1 & x_V & y_V & x_V^2 & x_V y_V & y_V^2 \end{bmatrix}, \tag{4.6} $$
+#    1 & x_V & y_V & x_V^2 & x_V y_V & y_V^2 \end{bmatrix}. \tag{4.6} $$
 #
-# where now $(x_j, y_j)$ are the $V = k + 1$ vertices of the star. It is six if and only if the
-# vertices lie on no common *conic*: no ellipse, parabola, hyperbola, pair of lines. Write the rank
-# on the right. As before it must not depend on the origin and the unit.
+# Here $(x_j, y_j)$ are the $V = k + 1$ vertices of the star. The rank is six if and only if no
+# *conic* contains all vertices: no ellipse, parabola, hyperbola or pair of lines. Write the rank on
+# the right-hand side of (4.6).
+#
+# As in 04.2 the rank must depend neither on the origin nor on the unit of length. Scale the
+# vertices to size one before you form the squares, and count singular values below $10^{-9}$ as
+# zero.
 
 
-# %% question="04.7"
+# %% question="04.7" minutes=15
 def conic_rank(vertices):
     """Return the rank on the right of (4.6) for vertices of shape (V, 2), a whole number."""
     # BEGIN SOLUTION
@@ -521,45 +581,47 @@ def star(neighbours, shift):
             axes.contour(
                 x, y, stream(x, y), [stream(*center)], colors=ORANGE, linewidths=2, linestyles="-"
             )
-        told = f"{2 * neighbours} equations, rank {rank};"
-        axes.set(title=f"{told} {neighbours + 1} vertices, rank {by_vertices}")
+        counts = f"{2 * neighbours} equations, rank {rank};"
+        axes.set(title=f"{counts} {neighbours + 1} vertices, rank {by_vertices}")
     return page
 
 
 # %% [markdown]
 # **What to look at.** With four neighbours there are eight equations for six unknowns, and the rank
-# is five. The thin lines are the stream lines of the flow that no edge sees. One of them (orange)
-# goes through all the vertices: it is the conic. Through five points there is always one. Add a
-# neighbour. How many does a vertex need?
+# is five. The thin lines are the stream lines of the tangent flow. One of them (orange) passes
+# through all vertices: it is the conic. Through five points there is always a conic. Add a
+# neighbour. How many neighbours does a vertex need?
+#
+# Notebook 05 uses this result: it reconstructs the velocities at all vertices of a mesh.
 #
 # ## In words
 #
-# **04.8** Let $N \ge 6$ and let $\mathbf{B}$ have full column rank. Which "obvious" conditions must
-# one require of the normals $\mathbf{n}_i$, such that $\mathbf{B}'$ does not lose full column rank?
-# Why are they necessary, and are they sufficient?
+# **04.8** Let $N \ge 6$ and let $\mathbf{B}$ have full column rank. Which "obvious" conditions on
+# the normals $\mathbf{n}_i$ are necessary, so that $\mathbf{B}'$ has full column rank (page 42)?
+# Show that they are necessary, and give an example which shows that they are not sufficient.
 #
 # <details><summary>Hint</summary>
 #
-# Begin with the simplest flows: constant ones, then those of one direction. For the last part think
+# Begin with the simplest flows: constant ones, then those of one direction. For the example think
 # of a wheel.
 #
 # </details>
 
-# %% [markdown] answer="04.8" points=4
-# Necessary are: not all normals are parallel, since nothing is known of the component along the
-# edges then, and the rank is three. More generally, for each direction $\mathbf{m}$ the points of
+# %% [markdown] answer="04.8" points=4 minutes=15 words=100
+# Necessary is that not all normals are parallel, since then nothing is known of the component along
+# the edges, and the rank is three. More generally, for each direction $\mathbf{m}$ the points of
 # the samples with $\mathbf{n}_i^T\mathbf{m} \neq 0$ must not lie on one line. Otherwise there is an
 # affine function $\alpha \neq 0$ that vanishes at all of them, and $\mathbf{u} =
-# \alpha\,\mathbf{m}$ is tangent to every sample: where $\alpha \neq 0$ the normal is at right
-# angles to $\mathbf{m}$. For the directions of the axes this says that $\mathbf{N}_x\mathbf{B}$ and
+# \alpha\,\mathbf{m}$ is tangent to every sample: where $\alpha \neq 0$ the normal is perpendicular
+# to $\mathbf{m}$. For the directions of the axes this says that $\mathbf{N}_x\mathbf{B}$ and
 # $\mathbf{N}_y\mathbf{B}$ have rank three each, with the components of the normals on the diagonals
 # of $\mathbf{N}_x$ and $\mathbf{N}_y$.
 #
-# They are not sufficient. If all normals pass through one place, the rotation about it is tangent
-# to all edges: no two normals need be parallel, and the rank is at most five. The same holds for
-# every affine flow $\mathbf{u}$ and any points, if each normal is chosen at right angles to
+# They are not sufficient. If the lines of all normals pass through one point, the rotation about it
+# is tangent to all edges: no two normals need be parallel, and the rank is at most five. The same
+# holds for every affine flow $\mathbf{u}$ and any points, if each normal is perpendicular to
 # $\mathbf{u}(\mathbf{p}_i)$: expansion, spiral, saddle. The complete condition is that no affine
-# flow other than zero is tangent to all samples. For random normals it holds, as a rule.
+# flow except zero is tangent to all samples. Random normals satisfy it with probability one.
 # Sufficient, and easy to see, is: two directions that are not parallel, each the normal of three
 # samples that are not on one line.
 
@@ -570,28 +632,29 @@ def star(neighbours, shift):
 # as a rotation. One for the complete condition, a tangent affine flow.
 
 # %% [markdown]
-# **04.9** "There are more equations than unknowns, so the least squares problem has a unique
-# solution." What is wrong with it? Use your star with four neighbours. How many neighbours does an
-# inner vertex need, and what should a program do that meets a vertex with fewer?
+# **04.9** "There are more equations than unknowns, so the least-squares problem has a unique
+# solution." Explain with the star of four neighbours why this is wrong, and what a program should
+# do at such a vertex.
 #
 # <details><summary>Hint</summary>
 #
-# Add up what flows out of a triangle: for a flow that no edge sees, what does it say of
-# $\operatorname{div}\mathbf{u}$? How many of the equations of a star are then independent, at most?
+# Add up the flow out of a triangle. For a tangent flow, what does the sum say about
+# $\operatorname{div}\mathbf{u}$? How many equations of a star are then independent, at most?
 #
 # </details>
 
-# %% [markdown] answer="04.9" points=3
-# Unique is the solution if the *rank* is six; as many rows as columns are necessary for that and
-# not sufficient, for rows may depend on each other. The star of four triangles has eight equations
-# of rank five: by (4.6) the rank is at most the number of vertices, $k + 1$, since they are the
-# rows on the right. (For an affine flow the eight fluxes obey relations: what flows out of each
-# triangle, divided by its area, is the same for all triangles.) So $k \ge 5$ is needed, and it
-# suffices unless the six or more vertices lie on a conic.
+# %% [markdown] answer="04.9" points=3 minutes=10 words=80
+# The solution is unique if and only if the *rank* is six. At least as many rows as columns are
+# necessary for that, but not sufficient, since rows may depend on each other. The star of four
+# triangles has eight equations of rank five: by (4.6) the rank is at most the number of vertices,
+# $k + 1$, since they are the rows on the right-hand side. (For an affine flow the eight fluxes
+# satisfy relations: the flow out of each triangle, divided by its area, is the same for all
+# triangles.) So $k \ge 5$ is necessary, and it is sufficient unless the six or more vertices lie on
+# a conic.
 #
 # A solver of the normal equations returns numbers without a warning, right in their normal
-# components and arbitrary in the unseen flow. A program should look at singular values, or at what
-# it can bound by them, and take more samples where they are too few: the edges of the next ring of
+# components and arbitrary in the tangent flow. A program should test the singular values, or a
+# bound of them, and take more samples where they are too small: the edges of the next ring of
 # triangles.
 
 # %% [markdown] rubric="04.9"
@@ -602,15 +665,15 @@ def star(neighbours, shift):
 # %% [markdown]
 # ## Dig deeper
 #
-# - Leave out the rim: only the $k$ edges that end in the vertex. Show that $\mathbf{x} -
-#   \mathbf{x}_i$, where $\mathbf{x}_i$ is the vertex, is tangent to all of them, however many they
-#   are. Is $\mathbf{u}(\mathbf{x}_i)$ itself still determined?
-# - Prove (4.6). A flow without divergence is $\mathbf{u} = (\partial_y\psi, -\partial_x\psi)$, with
-#   $\psi$ quadratic if $\mathbf{u}$ is affine. Why does the flux through an edge equal the
-#   difference of $\psi$ at its ends?
-# - Put four neighbours on two lines through the vertex. What is the unseen flow at the vertex? The
-#   rank is five, and yet the velocity that is wanted there is determined.
-# - Count for tetrahedra: how many columns has $\mathbf{B}'$, and how many faces has a star with
+# - *Spokes alone.* Omit the outer edges: take only the $k$ edges that end in the vertex. Show that
+#   $\mathbf{x} - \mathbf{x}_i$, where $\mathbf{x}_i$ is the vertex, is tangent to all of them, for
+#   any $k$. Is $\mathbf{u}(\mathbf{x}_i)$ still determined?
+# - *Proof of (4.6).* A flow without divergence is $\mathbf{u} = (\partial_y\psi, -\partial_x\psi)$,
+#   where the *stream function* $\psi$ is quadratic if $\mathbf{u}$ is affine. Why does the flux
+#   through an edge equal the difference of $\psi$ between its ends?
+# - *A cross.* Put four neighbours on two lines through the vertex. What is the tangent flow at the
+#   vertex? The rank is five, and yet the velocity at the vertex is determined.
+# - *Tetrahedra.* How many columns has $\mathbf{B}'$ in space, and how many faces has a star with
 #   six, seven, eight vertices?
 
 # %%

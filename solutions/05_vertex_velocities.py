@@ -1,5 +1,11 @@
 # ---
 # jupyter:
+#   course:
+#     builds_on:
+#       "02": weights that decrease with the distance
+#       "04": the matrix of normal velocities and its rank
+#     pages: slides, pages 18–22 and 43
+#     chapters: [06-vertex-velocities]
 #   jupytext:
 #     text_representation:
 #       extension: .py
@@ -13,16 +19,22 @@
 # %% [markdown]
 # # Velocities at the vertices of a mesh
 #
-# A program that computes a flow on a mesh of triangles often knows one number for each edge: how
-# fast the fluid crosses it. To draw the flow, or to let a leaf drift in it, one needs the whole
-# velocity at a vertex. By the end of this notebook you have built a mesh and a flow, you have
-# computed what the program would know, and you have won the velocities back: at most vertices to
-# the last digit, at some not at all. You know beforehand at which, and why.
+# Many flow solvers on triangle meshes store one number for each edge: the velocity across it. To
+# draw the flow or to move particles in it, the whole velocity at the vertices is needed. In this
+# notebook you build a mesh and a flow, compute the data of such a solver, and reconstruct the
+# velocities from them. At most vertices the reconstruction is exact to rounding. At some it is
+# wrong, and you can predict at which.
+#
+# Notebook 04 examined the system of a single star of triangles. Here the same system is solved at
+# every vertex of a mesh.
+#
+# **Search for**: face-based (staggered) finite volumes, vertex star, one-ring, weighted least
+# squares, minimum-norm solution, stream function, conic. **Read**: Perot, *Conservation properties
+# of unstructured staggered mesh schemes* (2000); Strang, *Introduction to Linear Algebra*, the
+# chapter on the singular value decomposition.
 #
 # Each question asks for a function. Write it, run its cell, and run the check below it. The check
-# tells you whether it is right and, if it is not, what kind of mistake it may be. You need nothing
-# from other notebooks. There are eight functions, most of them of one to three lines, and three
-# questions in words.
+# reports whether the function is right and, if it is not, which mistake is likely.
 
 # %% tags=["setup"]
 import numpy as np
@@ -35,6 +47,7 @@ from fieldcheck import (
     ORANGE,
     PURPLE,
     Slider,
+    case,
     check,
     data,
     draw,
@@ -44,20 +57,18 @@ from fieldcheck import (
 )
 
 # %% [markdown]
-# ## The problem in a picture
+# ## Normal velocities on a mesh
 #
-# On the left is a flow: two whirls that turn against each other. On the right is what the program
-# knows of it. The mesh lies over the flow, and for each edge there is one number, the speed at
-# which the fluid crosses it: the darker the edge, the faster. Along a pale edge the fluid may rush,
-# but it does not cross. Which way does it go, and how fast, at the vertex with the question mark?
-# Move it.
+# The left picture shows a flow: two vortices of opposite rotation. The right picture shows the data
+# of a solver. For each edge of the mesh there is one number, the velocity across the edge: the
+# darker the edge, the larger its absolute value. Along a pale edge the fluid may be fast, but it
+# does not cross the edge. Which velocity has the flow at the vertex with the question mark? Move
+# the vertex.
 
 
 # %%
 def scattered(number, seed=3):
-    """Vertices (K, 2) of a mesh of the unit square: spread evenly, but not in rows; and its
-    triangles (T, 3).
-    """
+    """Return vertices (K, 2) and triangles (T, 3) of a mesh of the unit square."""
     random = np.random.default_rng(seed)
     k = np.arange(12)
     rim = (k + (k % 3 > 0) * random.uniform(-0.3, 0.3, 12)) / 3  # once round the square, in sides
@@ -73,15 +84,15 @@ def scattered(number, seed=3):
 POINTS, TRIANGLES = scattered(32)
 
 
-def whirls(x, y):
-    """What flows between two places: the difference of this function there."""
+def stream(x, y):
+    """Return the stream function: its difference is the flow between two points."""
     return np.sin(np.pi * x) * np.sin(2 * np.pi * y) / np.pi
 
 
 @draw(vertex=Slider(0, 31, 20, "vertex", whole=True))
 def the_problem(vertex):
     side = np.linspace(0, 1, 41)
-    heights = whirls(*np.meshgrid(side, side))
+    heights = stream(*np.meshgrid(side, side))
     down, along = np.gradient(heights, side, side)
     with figure(6.6, 3.2) as page:
         left, right = page.subplots(1, 2)
@@ -90,7 +101,7 @@ def the_problem(vertex):
         )
         for corners in TRIANGLES:
             for a, b in zip(POINTS[corners], POINTS[np.roll(corners, 1)], strict=True):
-                crossing = abs(whirls(*a) - whirls(*b)) / np.hypot(*(a - b))
+                crossing = abs(stream(*a) - stream(*b)) / np.hypot(*(a - b))
                 right.plot(
                     *np.stack([a, b]).T,
                     color=BLUE,
@@ -103,7 +114,7 @@ def the_problem(vertex):
         right.text(
             x, y, "?", color=ORANGE, ha="center", va="center_baseline", weight="bold", zorder=4
         )
-        for axes, title in ((left, "the flow"), (right, "what is known of it")):
+        for axes, title in ((left, "the flow"), (right, "normal velocities")):
             axes.set(
                 aspect="equal",
                 xticks=[0, 1],
@@ -116,34 +127,66 @@ def the_problem(vertex):
 
 
 # %% [markdown]
-# **What to look at.** Each edge tells one number, and a velocity has two. But the edges around a
-# vertex lie in different directions. Each tells another component, though each at another place.
-# This is least squares again, with a twist: what is measured is not the velocity but its *shadow*
-# on a normal.
-
-# %% [markdown]
-# ## The mesh
+# **What to look at.** Each edge has one number, and a velocity has two components. But the edges
+# around a vertex have different directions, so each of them gives another component, at another
+# point. This is a least-squares problem in which the data are *projections* of the velocity on
+# normals.
+#
+# ## A finished function
 #
 # A triangle mesh is two arrays: the vertices $\mathbf{x}_1, \dots, \mathbf{x}_K$, of shape $(K,
-# 2)$, and for each triangle the numbers of its three corners, of shape $(T, 3)$. The corners may
-# come in either sense of rotation. An *edge* is a pair of vertices: a side of a triangle. Inside
-# the mesh two triangles share it, on the boundary it belongs to one.
+# 2)$, and for each triangle the numbers of its three corners, of shape $(T, 3)$. The function below
+# is finished; imitate its style. `points[triangles]` has the shape $(T, 3, 2)$: the array of
+# numbers `triangles` selects three points for each triangle (*fancy indexing*).
+
+
+# %%
+def areas(points, triangles):
+    """Return the areas, of shape (T,), for points (K, 2) and triangles (T, 3)."""
+    corners = points[triangles]  # of shape (T, 3, 2)
+    first = corners[:, 1] - corners[:, 0]
+    second = corners[:, 2] - corners[:, 0]
+    return 0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+
+
+two_triangles = np.array([[0, 1, 2], [3, 2, 1]])
+four_points = np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0], [4.0, 3.0]])
+print(areas(four_points, two_triangles))
+
+
+# %% [markdown]
+# ## Edges, midpoints and normals
+#
+# ### Example: two triangles, by hand
+#
+# The mesh of the last cell is a rectangle of width 4 and height 3, cut along a diagonal. The
+# triangle $(0, 1, 2)$ has the sides $01$, $12$, $20$, and the triangle $(3, 2, 1)$ has the sides
+# $32$, $21$, $13$. The side $12$ occurs twice, so the mesh has five edges: $01$, $02$, $12$, $13$,
+# $23$.
+#
+# The edge $12$ goes from $(4, 0)$ to $(0, 3)$. Its midpoint is $(2, \tfrac32)$ and its length is 5.
+# The vector $(-4, 3)$ along the edge is perpendicular to $(3, 4)$, so a unit normal is $(\tfrac35,
+# \tfrac45)$. If the velocities at its two ends are $(1, 0)$ and $(0, 1)$, their mean is $(\tfrac12,
+# \tfrac12)$. The normal velocity is $\tfrac35 \cdot \tfrac12 + \tfrac45 \cdot \tfrac12 =
+# \tfrac7{10}$.
 #
 # ### 05.1 The edges
 #
-# Write a function that lists the edges, each once. The order of the edges, and which end of an edge
-# comes first, are up to you.
+# An *edge* is a pair of vertices that is a side of a triangle. An inner edge belongs to two
+# triangles, a boundary edge to one. Write a function that lists the edges, each once. The order of
+# the edges, and which end of an edge comes first, are arbitrary. The corners of a triangle may be
+# listed in either orientation.
 #
 # <details><summary>Hint</summary>
 #
-# Write down the three sides of every triangle. An inner edge is now there twice, perhaps once as
-# $(i, j)$ and once as $(j, i)$. How do you make these two alike? After that a function of NumPy
-# keeps one of each; look at its argument `axis`.
+# List the three sides of every triangle. An inner edge then occurs twice, possibly once as $(i, j)$
+# and once as $(j, i)$. How can you make the two pairs equal? Then a function of NumPy keeps one of
+# each. See its argument `axis`.
 #
 # </details>
 
 
-# %% question="05.1"
+# %% question="05.1" minutes=15
 def edges_of(triangles):
     """Return the edges as pairs of vertex numbers, of shape (E, 2), for triangles (T, 3)."""
     # BEGIN SOLUTION
@@ -162,15 +205,15 @@ check("05.1")
 #    \mathbf{n}_a \cdot (\mathbf{x}_j - \mathbf{x}_i) = 0, \qquad \lVert \mathbf{n}_a \rVert = 1
 #    \tag{5.1} $$
 #
-# be its *midpoint* and a *unit normal*. Two vectors satisfy this, $\mathbf{n}_a$ and
-# $-\mathbf{n}_a$. Take either.
+# be its *midpoint* and a *unit normal*. Two vectors satisfy these conditions, $\mathbf{n}_a$ and
+# $-\mathbf{n}_a$. Either is right.
 #
 # ### 05.2 Midpoints and normals
 #
-# Write a function that returns both, one row for each edge.
+# Write a function that returns both arrays, with one row for each edge.
 
 
-# %% question="05.2"
+# %% question="05.2" minutes=15
 def midpoints_and_normals(points, edges):
     """Return p_a and n_a of (5.1), each of shape (E, 2), for points (K, 2) and edges (E, 2)."""
     # BEGIN SOLUTION
@@ -186,8 +229,8 @@ def midpoints_and_normals(points, edges):
 check("05.2")
 
 # %% [markdown]
-# Here is what you have made, on the mesh of the first picture. Are all edges there? Is each normal
-# across its edge?
+# The picture shows your results on the mesh of the first picture. Are all edges there? Is each
+# normal perpendicular to its edge?
 
 
 # %%
@@ -223,20 +266,23 @@ def edges_and_normals(vertex):
 
 
 # %% [markdown]
-# ## A flow that is known
+# ## A test with a known flow
 #
-# To see whether a method works one needs a case where the truth is known. Ours is a rotation. Let
+# A reconstruction is tested with a flow that is known. Ours is a rotation. Let
 #
 # $$ \mathbf{m} = \frac{1}{K} \sum_{k=1}^K \mathbf{x}_k, \qquad
 #    \mathbf{u}_k = \mathbf{J}\,(\mathbf{x}_k - \mathbf{m}), \qquad
 #    \mathbf{J} = \begin{bmatrix} 0 & -1 \\ 1 & 0 \end{bmatrix}. \tag{5.2} $$
 #
-# So $\mathbf{J}$ makes $(-z_2, z_1)$ of a vector $(z_1, z_2)$: it turns it by a right angle.
+# So $\mathbf{J}$ maps $(z_1, z_2)$ to $(-z_2, z_1)$: it rotates vectors by 90 degrees
+# counter-clockwise.
 #
 # ### 05.3 The rotation
+#
+# Write a function that returns the velocities (5.2) at all vertices.
 
 
-# %% question="05.3"
+# %% question="05.3" minutes=10
 def rotation(points):
     """Return u_1 … u_K of (5.2), of shape (K, 2), for points (K, 2)."""
     # BEGIN SOLUTION
@@ -250,17 +296,19 @@ def rotation(points):
 check("05.3")
 
 # %% [markdown]
-# The program would know only how fast the fluid crosses each edge, the *normal velocity* at its
-# midpoint. We compute it from the velocities at the two ends,
+# The data of the solver are the *normal velocities*. We compute them from the velocities at the two
+# ends of each edge:
 #
 # $$ v_a = \mathbf{n}_a \cdot \tfrac{1}{2} (\mathbf{u}_i + \mathbf{u}_j). \tag{5.3} $$
 #
-# Its sign says to which side the fluid goes: where $\mathbf{n}_a$ points, or the other way.
+# The sign is positive if the fluid crosses the edge in the direction of $\mathbf{n}_a$.
 #
 # ### 05.4 The normal velocities
+#
+# Write a function that returns (5.3) for all edges.
 
 
-# %% question="05.4"
+# %% question="05.4" minutes=10
 def normal_velocities(edges, normals, u):
     """Return v_a of (5.3), of shape (E,), for edges (E, 2), normals (E, 2), velocities u (K, 2)."""
     # BEGIN SOLUTION
@@ -273,8 +321,8 @@ def normal_velocities(edges, normals, u):
 check("05.4")
 
 # %% [markdown]
-# On the left the truth, on the right what is left of it: the arrow at each midpoint is
-# $v_a\mathbf{n}_a$, the part of the velocity across the edge. The rest is lost.
+# The left picture shows the flow, the right picture the data: the arrow at each midpoint is
+# $v_a\mathbf{n}_a$, the component of the velocity across the edge.
 
 
 # %%
@@ -293,7 +341,7 @@ def truth_and_data(seed):
         right.quiver(*p.T, *(v[:, np.newaxis] * n).T, color=ORANGE, **look)
         for axes, title in (
             (left, r"velocities $\mathbf{u}_k$, and + at $\mathbf{m}$"),
-            (right, r"known: $v_a\,\mathbf{n}_a$"),
+            (right, r"data: $v_a\,\mathbf{n}_a$"),
         ):
             axes.triplot(*points.T, triangles, color=GREY, lw=0.6, zorder=0)
             axes.set(
@@ -308,38 +356,31 @@ def truth_and_data(seed):
 
 
 # %% [markdown]
-# **What to look at.** The orange picture hardly looks like a rotation. An edge that points to
-# $\mathbf{m}$ is crossed at full speed; one that lies across that direction is not crossed at all,
-# however fast the fluid runs along it.
+# **What to look at.** The data hardly look like a rotation. An edge that points to $\mathbf{m}$ is
+# crossed at full speed. An edge perpendicular to that direction is not crossed at all, since the
+# fluid moves along it.
 #
 # ### In words
 #
-# **05.5** Is the velocity field (5.2) a linear mapping of the place? Say precisely of what it is
-# one. Then look at (5.3): it takes the mean of the velocities at the two ends for the velocity at
-# the midpoint. Show that for this field that is no approximation. For which fields is it one, and
-# what decides how good it is?
+# **05.5** Formula (5.3) uses the mean of the velocities at the two ends of an edge for the velocity
+# at its midpoint. Show that this is exact for the field (5.2), say which property of the field you
+# use, and find the leading term of the error for other fields.
 #
 # <details><summary>Hint</summary>
 #
-# A linear mapping takes zero to zero. Where is $\mathbf{u} = \mathbf{0}$? For the mean, insert the
-# midpoint of (5.1) into (5.2).
-#
-# </details>
-#
-# <details><summary>Hint for the last part</summary>
-#
-# Look at the velocity along one edge only, as a function of one variable, and at its Taylor series
-# about the midpoint. Which terms drop out of the mean of the two ends?
+# Insert the midpoint of (5.1) into (5.2). For other fields take the velocity along one edge as a
+# function of one variable, and its Taylor series about the midpoint. Which terms cancel in the mean
+# of the two ends?
 #
 # </details>
 
-# %% [markdown] answer="05.5" points=4
-# As a field, $\mathbf{u}(\mathbf{x}) = \mathbf{J}(\mathbf{x} - \mathbf{m}) = \mathbf{J}\mathbf{x} -
-# \mathbf{J}\mathbf{m}$. It is a linear mapping of $\mathbf{x} - \mathbf{m}$, the place seen from
-# the mean. Of $\mathbf{x}$ itself it is an *affine* one: it is zero at $\mathbf{m}$ and not at the
-# origin, so that it is linear in $\mathbf{x}$ only if $\mathbf{m} = \mathbf{0}$. Its derivative is
-# $\mathbf{J}$ everywhere; the trace is zero, so the field is free of divergence: a rigid rotation
-# about $\mathbf{m}$.
+# %% [markdown] answer="05.5" points=4 minutes=15 words=80
+# As a field, $\mathbf{u}(\mathbf{x}) = \mathbf{J}(\mathbf{x} - \mathbf{m}) = \mathbf{J}\mathbf{x}
+# - \mathbf{J}\mathbf{m}$. It is a linear mapping of $\mathbf{x} - \mathbf{m}$, the position
+# relative to the mean. Of $\mathbf{x}$ itself it is an *affine* one: it is zero at $\mathbf{m}$
+# and not at the origin, so that it is linear in $\mathbf{x}$ only if $\mathbf{m} = \mathbf{0}$.
+# Its derivative is $\mathbf{J}$ everywhere; the trace is zero, so the field is free of divergence:
+# a rigid rotation about $\mathbf{m}$.
 #
 # An affine map takes the mean of two points to the mean of their images: $\tfrac12(\mathbf{u}_i +
 # \mathbf{u}_j) = \mathbf{J}\left(\tfrac12(\mathbf{x}_i + \mathbf{x}_j) - \mathbf{m}\right) =
@@ -355,41 +396,41 @@ def truth_and_data(seed):
 # smaller.
 
 # %% [markdown] rubric="05.5"
-# One point for affine in $\mathbf{x}$, linear in $\mathbf{x}-\mathbf{m}$; "linear" without saying
-# of what earns none. Two for the mean: one for the calculation, one for naming what is used, that
-# the map is affine. One for the error of other fields: second derivative along the edge, second
-# order in its length.
+# Two points for the proof of exactness: one for the calculation, one for naming the property, that
+# the map is affine in $\mathbf{x}$ (linear in $\mathbf{x}-\mathbf{m}$). Two for the error of other
+# fields: one for the second derivative along the edge, one for the second order in its length.
 
 # %% [markdown]
-# ## Which edges?
+# ## The ring of a vertex
 #
-# We want the velocity at one vertex, from edges around it. Which? Those that end there are too few,
-# as you will see. So take all edges of the triangles that meet there: the *one ring* of the vertex.
-# If this is not enough, take also the triangles that touch the one ring, be it in one corner only:
-# the edges of all these are the *two ring*. And so on: each ring adds the triangles that have a
-# corner among those of the ring before.
+# To find the velocity at one vertex we use edges around it. The edges that end in the vertex are
+# not enough, as notebook 04 showed (spokes alone). So we take all edges of the triangles that meet
+# in the vertex: its *one-ring*. If this is not enough, we add the triangles that share at least one
+# corner with the one-ring: the edges of all these triangles are the *two-ring*. In general, each
+# further ring adds the triangles that share a corner with the triangles of the previous ring.
 #
 # ### 05.6 The ring
 #
-# Write a function that says for each edge whether it is in the ring.
+# Write a function that returns, for each edge, whether it belongs to the ring.
 #
-# <details><summary>Hint</summary>
+# <details><summary>Hint: from a vertex to triangles</summary>
 #
-# `np.isin(triangles, some)` says of each corner whether it is one of some vertices. Start with one
-# vertex. Find the triangles that have it. Their corners are the vertices for the next round.
+# `np.isin(triangles, vertices)` is True for each corner that is one of the given vertices. Start
+# with one vertex, and find the triangles with this corner. All corners of these triangles are the
+# vertices for the next ring.
 #
 # </details>
 #
 # <details><summary>Hint: from triangles to edges</summary>
 #
-# The edges of some triangles: you have written a function for these. To find them in the list,
-# compare pairs, and mind that $(i, j)$ and $(j, i)$ are the same edge. It is not enough to look
-# whether both ends belong to the ring.
+# Your `edges_of` returns the edges of the triangles of the ring. To find them in the list of all
+# edges, compare pairs, where $(i, j)$ and $(j, i)$ are the same edge. It is not enough that both
+# ends are vertices of the ring.
 #
 # </details>
 
 
-# %% question="05.6"
+# %% question="05.6" minutes=20
 def ring(triangles, edges, vertex, rings):
     """Return an array of shape (E,), True for the edges in so many rings of the vertex.
 
@@ -436,21 +477,19 @@ def rings_around(vertex):
 # %% [markdown]
 # ## The system
 #
-# Near the vertex $\mathbf{x}_i$ we look for an affine velocity field. Let us measure places from
-# the vertex, $\mathbf{y} = \mathbf{x} - \mathbf{x}_i$:
+# Near the vertex $\mathbf{x}_i$ we look for an affine velocity field. With $\mathbf{y} =
+# \mathbf{x} - \mathbf{x}_i$, the position relative to the vertex, it is
 #
 # $$ \mathbf{u}(\mathbf{x}) = \mathbf{c}_0 + y_1 \mathbf{c}_1 + y_2 \mathbf{c}_2, \qquad
 #    \mathbf{c}_0, \mathbf{c}_1, \mathbf{c}_2 \in \mathbb{R}^2. \tag{5.4} $$
 #
-# These are six unknown numbers. What we want is two of them: at the vertex $\mathbf{y} =
-# \mathbf{0}$, so that $\mathbf{u}(\mathbf{x}_i) = \mathbf{c}_0$. Every edge of the ring gives one
-# equation,
+# There are six unknown numbers. Two of them are the result, since $\mathbf{y} = \mathbf{0}$ at the
+# vertex: $\mathbf{u}(\mathbf{x}_i) = \mathbf{c}_0$. Every edge of the ring gives one equation,
 #
 # $$ \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a) = v_a . \tag{5.5} $$
 #
-# Insert (5.4), with $\mathbf{y}_a = \mathbf{p}_a - \mathbf{x}_i$ for the midpoint. The unknowns are
-# multiplied by $\mathbf{n}_a^T$, $y_{a,1}\mathbf{n}_a^T$ and $y_{a,2}\mathbf{n}_a^T$. So the
-# equations are
+# Inserting (5.4), with $\mathbf{y}_a = \mathbf{p}_a - \mathbf{x}_i$ for the midpoint, gives the
+# system of notebook 04 with the origin at the vertex:
 #
 # $$ \mathbf{B}'\mathbf{c} = \mathbf{V}', \qquad
 #    \mathbf{B}' = \begin{bmatrix} \mathbf{n}_1^T & y_{1,1}\mathbf{n}_1^T & y_{1,2}\mathbf{n}_1^T \\
@@ -459,12 +498,16 @@ def rings_around(vertex):
 #    \mathbf{c} = \begin{bmatrix} \mathbf{c}_0 \\ \mathbf{c}_1 \\ \mathbf{c}_2 \end{bmatrix}, \qquad
 #    \mathbf{V}' = \begin{bmatrix} v_1 \\ \vdots \\ v_n \end{bmatrix}. \tag{5.6} $$
 #
-# $\mathbf{B}'$ has six columns and a row for each of the $n$ edges.
+# $\mathbf{B}'$ has six columns and a row for each of the $n$ edges. By hand: for the vertex $(4,
+# 0)$ and the midpoint $(2, \tfrac32)$ of the example, $\mathbf{y}_a = (-2, \tfrac32)$. With the
+# normal $(\tfrac35, \tfrac45)$ the row is $(0.6, 0.8, -1.2, -1.6, 0.9, 1.2)$.
 #
 # ### 05.7 The matrix
+#
+# Write $\mathbf{B}'$ of (5.6). It is your matrix of 04.1 for the points $\mathbf{y}_a$.
 
 
-# %% question="05.7"
+# %% question="05.7" minutes=10
 def system(midpoints, normals, x):
     """Return B′ of (5.6), of shape (n, 6), for midpoints (n, 2), normals (n, 2), the vertex x
     (2,).
@@ -479,31 +522,31 @@ def system(midpoints, normals, x):
 check("05.7")
 
 # %% [markdown]
-# There are usually more equations than unknowns. As in moving least squares each may have a weight,
-# larger for an edge that is close:
+# There are usually more equations than unknowns. As in moving least squares (notebook 02), each
+# equation has a weight that decreases with the distance of the edge:
 #
 # $$ \mathbf{W}\mathbf{B}'\mathbf{c} = \mathbf{W}\mathbf{V}', \qquad
 #    \mathbf{W} = \operatorname{diag}(w_1, \dots, w_n), \qquad
 #    w_a = \frac{1}{\lVert \mathbf{p}_a - \mathbf{x}_i \rVert^2 + \varepsilon^2}. \tag{5.7} $$
 #
-# We take the coefficients that leave the smallest error $\lVert \mathbf{W}\mathbf{B}'\mathbf{c} -
-# \mathbf{W}\mathbf{V}' \rVert$. With all weights equal this is plain least squares.
+# We take the coefficients with the smallest residual $\lVert \mathbf{W}\mathbf{B}'\mathbf{c} -
+# \mathbf{W}\mathbf{V}' \rVert$. With equal weights this is plain least squares.
 #
 # ### 05.8 The velocity at a vertex
 #
-# Write a function that returns $\mathbf{u}(\mathbf{x}_i)$ for weights that are given.
+# Write a function that returns $\mathbf{u}(\mathbf{x}_i)$ for given weights.
 #
 # <details><summary>Hint</summary>
 #
-# Soon you will meet vertices where the six unknowns are not determined. The normal equations then
-# have a singular matrix. `numpy.linalg.lstsq` still returns an answer: among all that fit equally
-# well, the $\mathbf{c}$ of least length. It takes the matrix and the right side of (5.7), not of
-# the normal equations.
+# At some vertices the six unknowns are not determined, and the matrix of the normal equations is
+# singular. `numpy.linalg.lstsq` still returns a solution, the *minimum-norm solution*: among all
+# that fit equally well, the $\mathbf{c}$ of least norm. Its arguments are the matrix and the
+# right-hand side of (5.7), not of the normal equations.
 #
 # </details>
 
 
-# %% question="05.8"
+# %% question="05.8" minutes=10
 def velocity(midpoints, normals, v, x, w):
     """Return u at the vertex x (2,), of shape (2,), by least squares on (5.7).
 
@@ -520,16 +563,15 @@ def velocity(midpoints, normals, v, x, w):
 check("05.8")
 
 # %% [markdown]
-# ## Look at it
+# ## The reconstruction
 #
-# The cell below takes your functions together: the edges, what is known of the flow, and at each
-# vertex the ring, the weights and the velocity. Read it; there is nothing in it that you have not
-# written.
+# The next cell calls your functions one after the other: the edges, their normal velocities, and at
+# each vertex the ring, the weights and the velocity. Read it.
 
 
 # %%
 def reconstruct(points, triangles, u, rings, epsilon):
-    """The velocities at all vertices, (K, 2), won back from the normal velocities of u (K, 2)."""
+    """Return velocities (K, 2) reconstructed from the normal velocities of u (K, 2)."""
     edges = edges_of(triangles)
     p, n = midpoints_and_normals(points, edges)
     v = normal_velocities(edges, n, u)
@@ -560,7 +602,7 @@ def reconstruction(rings, epsilon, seed):
     with figure(6.6, 3.9) as page:
         axes = page.subplots()
         axes.triplot(*points.T, triangles, color=GREY, lw=0.6, zorder=0)
-        axes.plot(*points[wrong].T, "s", ms=11, mfc="none", color=PURPLE, label="not the truth")
+        axes.plot(*points[wrong].T, "s", ms=11, mfc="none", color=PURPLE, label="error above 1e-9")
         axes.quiver(*points.T, *u.T, color=BLUE, alpha=0.45, width=0.012, label="truth", **look)
         axes.quiver(*points.T, *found.T, color=ORANGE, width=0.005, label="yours", **look)
         axes.set(aspect="equal", xticks=[0, 1], yticks=[0, 1], xlim=(-0.2, 1.2), ylim=(-0.2, 1.2))
@@ -575,45 +617,45 @@ def reconstruction(rings, epsilon, seed):
 # %% [markdown]
 # **What to look at.**
 #
-# - At most vertices the two arrows lie on each other, to the last digit. Move $\varepsilon$:
-#   nothing changes there. Why not?
-# - Some vertices are wrong, inside too, and nothing has warned you. The wrong arrows are of the
-#   right size, and some look quite credible. What have these vertices in common? Try other meshes.
-#   Count triangles.
+# - At most vertices the two arrows agree to rounding. They do not change with $\varepsilon$. Why
+#   not?
+# - At some vertices the result is wrong, also inside the mesh, and no warning was issued. With
+#   `lstsq` the wrong arrows have a credible length. A solver of the normal equations stops there,
+#   or returns arrows of any length. What do these vertices have in common? Try other meshes, and
+#   count triangles.
 # - Take two rings.
 
 # %% [markdown]
-# ## Which vertices are determined?
+# ## The rank at each vertex
 #
-# A velocity can be found only if no two fields give the same data. If $\mathbf{B}'$ has rank six,
-# all of $\mathbf{c}$ is determined. If the rank is lower, there is a $\mathbf{c} \neq \mathbf{0}$
-# with
+# The velocity is determined only if no two fields give the same data. If $\mathbf{B}'$ has rank
+# six, all of $\mathbf{c}$ is determined. If the rank is lower, there is a $\mathbf{c} \neq
+# \mathbf{0}$ with
 #
 # $$ \mathbf{B}'\mathbf{c} = \mathbf{0} \qquad \Longleftrightarrow \qquad
 #    \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a) = 0 \quad \text{for all edges } a \text{ of the
 #    ring}: \tag{5.8} $$
 #
-# an affine flow that crosses none of the edges at its midpoint. It can be added to any solution,
-# and nobody notices.
+# an affine flow that is tangent to all edges of the ring at their midpoints. It can be added to
+# every solution without changing the data.
 #
 # ### 05.9 The ranks
 #
-# Write a function that returns the rank of $\mathbf{B}'$ at every vertex of a mesh.
-#
-# A computer must decide which singular value counts as zero. The rank must not depend on where the
-# mesh lies, nor on the unit of length: a mesh in millimetres has the same ranks as one in metres.
+# Write a function that returns the rank of $\mathbf{B}'$ at every vertex of a mesh. The rank must
+# depend neither on the position of the mesh nor on the unit of length: a mesh in millimetres has
+# the same ranks as one in metres.
 #
 # <details><summary>Hint</summary>
 #
-# `numpy.linalg.matrix_rank` takes a tolerance `tol`: singular values below count as zero. With the
-# unit of length the last four columns of $\mathbf{B}'$ change, and the first two do not. The rank
-# stays what it is if each column is divided by its length. The tolerance can then be as coarse as
-# $10^{-6}$, far above rounding.
+# `numpy.linalg.matrix_rank` has a tolerance `tol`: smaller singular values count as zero. A change
+# of the unit scales the last four columns of $\mathbf{B}'$, but not the first two. Dividing each
+# column by its norm does not change the rank, and makes it independent of the unit. Then a
+# tolerance of $10^{-6}$ is far above the rounding errors.
 #
 # </details>
 
 
-# %% question="05.9"
+# %% question="05.9" minutes=25
 def ranks(points, triangles, rings):
     """Return the rank of B′ at each vertex, of shape (K,), for points (K, 2) and triangles (T,
     3).
@@ -634,10 +676,9 @@ def ranks(points, triangles, rings):
 check("05.9")
 
 # %% [markdown]
-# On the left your ranks; inside the mesh, and on its boundary, the number of triangles at the
-# vertex is written beside. On the right the error of the reconstruction against the rank, each
-# vertex a dot.
-
+# The left picture shows your ranks. The number beside each vertex is the number of its triangles.
+# The right picture shows the error of the reconstruction against the rank, with one mark for each
+# vertex.
 
 # %%
 MARKS = {3: ("v", PURPLE), 4: ("^", ORANGE), 5: ("s", BLUE), 6: ("o", GREEN)}
@@ -689,23 +730,22 @@ def ranks_of_a_mesh(rings, seed):
 
 
 # %% [markdown]
-# **What to look at.** Rank six and an error of rounding go together. With one ring an inner vertex
-# with three triangles has rank four, one with four has rank five. They have six and eight edges! On
-# the boundary it is other numbers. Find the rule: count, for each vertex, the *vertices* of the
-# ring.
+# **What to look at.** At vertices of rank six the error is of the size of rounding errors. With one
+# ring an inner vertex with three triangles has rank four, and one with four triangles has rank
+# five. They have six and eight edges. At the boundary the numbers differ. Find the rule: count, for
+# each vertex, the *vertices* of its ring.
 #
-# ## What edges cannot see
+# ## Tangent flows and conics
 #
-# Below is a star: one vertex with some triangles around it. Where your $\mathbf{B}'$ has a rank
-# less than six, the picture shows a flow of (5.8), which no edge notices. The lines are its stream
-# lines. An affine flow of this kind flows along the level lines of a polynomial of degree two, so
-# the stream lines are *conics*: ellipses, parabolas, hyperbolas, or pairs of lines. One of them is
-# drawn thick.
+# The next picture shows a star: one vertex and the triangles around it. If your $\mathbf{B}'$ has a
+# rank less than six, the picture shows the stream lines of a tangent flow (5.8). They are level
+# lines of a polynomial of degree two, so they are *conics*: ellipses, parabolas, hyperbolas, or
+# pairs of lines. One of them is thick. Question 04.7 has the same conic.
 
 
 # %%
 def star(triangles, turn):
-    """A vertex at the origin with so many triangles around it."""
+    """Return points and triangles of a star around a vertex at the origin."""
     random = np.random.default_rng(triangles + 1)
     angle = (
         2
@@ -721,19 +761,17 @@ def star(triangles, turn):
     )
 
 
-def unseen(points, triangles):
-    """Coefficients c_0, c_1, c_2 of a flow that the edges of a star do not see, (3, 2); the rank
-    of B′.
-    """
+def tangent_flow(points, triangles):
+    """Return coefficients (3, 2) of a tangent flow of the edges of a star, and the rank of B′."""
     p, n = midpoints_and_normals(points, edges_of(triangles))
     _, sizes, rows = np.linalg.svd(np.asarray(system(p, n, np.zeros(2))))
     return rows[5].reshape(3, 2), int((sizes > 1e-9).sum())
 
 
 @draw(triangles=Slider(3, 7, 4, "triangles", whole=True), turn=Slider(0, 1, 0, "turn"))
-def what_edges_cannot_see(triangles, turn):
+def tangent_flows(triangles, turn):
     points, cells = star(triangles, turn)
-    (drift, first, second), rank = unseen(points, cells)
+    (drift, first, second), rank = tangent_flow(points, cells)
     x, y = np.meshgrid(*[np.linspace(-1.4, 1.4, 281)] * 2)
     psi = (
         drift[0] * y - drift[1] * x + first[0] * x * y - first[1] * x**2 / 2 + second[0] * y**2 / 2
@@ -748,47 +786,35 @@ def what_edges_cannot_see(triangles, turn):
                 0, 0, *drift / np.hypot(*drift), color=ORANGE, scale=4.5, width=0.012, zorder=3
             )
         axes.plot(*points.T, "o", color="black", ms=5)
-        told = (
-            "an unseen flow, and its velocity at the vertex" if rank < 6 else "every flow is seen"
-        )
+        title = "a tangent flow, and its velocity at the vertex" if rank < 6 else "no tangent flow"
         axes.set(aspect="equal", xticks=[], yticks=[], xlim=(-1.4, 1.4), ylim=(-1.4, 1.4))
         axes.set_title(
-            f"{len(points)} vertices, {len(edges_of(cells))} edges, rank {rank}:\n{told}"
+            f"{len(points)} vertices, {len(edges_of(cells))} edges, rank {rank}:\n{title}"
         )
     return page
 
 
 # %% [markdown]
-# **What to look at.** The thick conic goes through *all* vertices. Follow one edge: the conic
-# leaves it at one end and comes back at the other. Whatever crosses the edge on the way out crosses
-# it back, so on the whole nothing does. Now take five triangles. Through six points at random there
-# is no conic.
+# **What to look at.** The thick conic passes through *all* vertices. Follow one edge: the conic
+# leaves it at one end and returns at the other. So the flow across the edge is zero in total. Now
+# take five triangles. In general no conic passes through six points.
 #
 # ### In words
 #
-# **05.10** At which vertices does the reconstruction fail, and why? State the rule that you found
-# for the rank. Prove at least this: with the edges that *end* in a vertex alone, however many,
-# $\mathbf{B}'$ never has rank six. Then explain why a conic through all vertices of the ring makes
-# it fail, and why therefore three or four triangles inside cannot be enough. What do you do with
-# such a vertex?
+# **05.10** State the rule for the rank at a vertex, and explain why a conic through all vertices of
+# the ring makes the reconstruction fail.
 #
-# <details><summary>Hint for the proof</summary>
+# <details><summary>Hint</summary>
 #
-# Find an affine flow, not zero, that runs along each of these edges. Think of a source.
-#
-# </details>
-#
-# <details><summary>Hint for the conic</summary>
-#
-# Let $\psi$ be a polynomial of degree two, and let $\mathbf{u} = (\partial\psi/\partial
-# y_2, -\partial\psi/\partial y_1)$. It is an affine flow. By how much does $\psi$ change along an
-# edge? Express it by $\mathbf{n}_a \cdot \mathbf{u}$, which is affine along the edge, and integrate
-# that by its value at the midpoint. How many coefficients has $\psi$, and how many equations does
-# it take to make it vanish at all vertices?
+# Let $\psi$ be a polynomial of degree two, and let $\mathbf{u} = (\partial\psi/\partial y_2,
+# -\partial\psi/\partial y_1)$, which is an affine flow. How much does $\psi$ change along an edge?
+# Express the change by $\mathbf{n}_a \cdot \mathbf{u}$, which is affine along the edge, and
+# integrate it by its value at the midpoint. How many coefficients has $\psi$, and how many
+# equations make it vanish at all vertices?
 #
 # </details>
 
-# %% [markdown] answer="05.10" points=5
+# %% [markdown] answer="05.10" points=5 minutes=20 words=170
 # *The rule.* With one ring it fails at inner vertices with three or four triangles and on the
 # boundary where there are one to three. The rank is the number of vertices of the ring, or six if
 # there are more than six; the exception are vertices in a special position, namely all on one
@@ -813,29 +839,29 @@ def what_edges_cannot_see(triangles, turn):
 # four and $N = 4$ rank five; on the boundary there are $N + 2$.
 #
 # That the field is not determined need not mean that its value at the vertex is not: the velocity
-# $\mathbf{c}_0$ is determined if every unseen flow is zero there. This is so where four neighbours
+# $\mathbf{c}_0$ is determined if every tangent flow is zero there. This is so where four neighbours
 # lie on two lines through the vertex.
 #
 # *What to do.* Take a second ring where one does not suffice, and test the rank, or better the size
 # of the smallest singular value: nothing else warns.
 
 # %% [markdown] rubric="05.10"
-# One point for the vertices that fail (inner with three or four triangles, boundary with few) or
-# the rule by number of vertices. One for the proof for spokes. Two for the conic: one for the
-# stream function and the midpoint, one for counting six coefficients against five vertices; the
-# converse is not asked. One for the remedy, more edges, with a test of the rank.
+# One point for the rule by the number of vertices, or for the vertices that fail (inner with three
+# or four triangles, boundary with few). Three for the conic: one for the stream function, one for
+# the change along an edge by the midpoint, one for counting six coefficients against five vertices;
+# the converse is not asked. One for the exception of special positions, or a remedy: a further
+# ring, with a test of the rank.
 
 # %% [markdown]
 # ## Your own mesh
 #
-# The mesh below is yours: nobody else has it. Its vertices were numbered at random. Both fields are
-# shown for one ring and for two, and besides the rotation there is a second flow, a whirl that is
-# not affine.
+# The next mesh is your own, with vertices in random order. Both fields are shown for one ring and
+# for two. Besides the rotation there is a second flow, a vortex that is not affine.
 
 
 # %%
-def whirl(points, bend):
-    """The rotation, slower the farther from the mean: affine for bend = 0 only."""
+def vortex(points, bend):
+    """Return a rotation that is slower far from the mean: affine for bend = 0 only."""
     u = rotation(points)
     return u / (1 + bend * np.hypot(*u.T)[:, np.newaxis] ** 2)
 
@@ -843,7 +869,7 @@ def whirl(points, bend):
 @draw(bend=Slider(0, 8, 0, "bend"), epsilon=Slider(0.01, 10, 0.2, "ε", logarithmic=True))
 def comparison(bend, epsilon):
     points, triangles, _ = data("05.9")
-    u = whirl(points, bend)
+    u = vortex(points, bend)
     with figure(6.8, 2.9) as page:
         panels = page.subplots(1, 3, width_ratios=(1, 1, 0.9))
         for rings, axes, color in zip((1, 2), panels, (PURPLE, ORANGE), strict=False):
@@ -866,7 +892,7 @@ def comparison(bend, epsilon):
                 color=color,
                 label=("one ring", "two rings")[rings - 1],
             )
-        panels[2].set(xlabel="vertices, best first", ylabel="error of the velocity")
+        panels[2].set(xlabel="vertices, by error", ylabel="error of the velocity")
         panels[2].legend(
             loc="upper center",
             bbox_to_anchor=(0.5, 1.2),
@@ -878,26 +904,24 @@ def comparison(bend, epsilon):
 
 
 # %% [markdown]
-# **What to look at.** For the rotation the errors with one ring are in two groups, with more than
-# ten orders of magnitude between. With two rings the upper group is gone. Now bend the flow a
-# little: every vertex has an error. Which part of it can weights influence? Try small and large
-# $\varepsilon$, with one ring and with two.
+# **What to look at.** For the rotation with one ring the errors form two groups, more than ten
+# orders of magnitude apart. With two rings the upper group has disappeared. Now set the bend to a
+# small value: every vertex has an error. Which part of it depends on the weights? Try small and
+# large $\varepsilon$, with one ring and with two.
 #
 # ### In words
 #
-# **05.11** Compare your reconstructed velocities with the truth: how large are the errors of the
-# rotation, and why do neither $\varepsilon$ nor the choice between least squares and moving least
-# squares matter where the rank is six? A friend who tested a program on this rotation reports that
-# the method is exact. What does such a test show, and what does it not show?
+# **05.11** A program reconstructs the rotation (5.2) exactly to rounding at all vertices of rank
+# six, for every $\varepsilon$. Explain this result, and what such a test does not show.
 #
 # <details><summary>Hint</summary>
 #
-# The true coefficients satisfy *every* equation of (5.6). How small can the error of (5.7) then be
-# made, for any weights? How many $\mathbf{c}$ reach it?
+# The true coefficients satisfy *every* equation of (5.6). What is then the smallest residual of
+# (5.7), for any weights? How many $\mathbf{c}$ have this residual?
 #
 # </details>
 
-# %% [markdown] answer="05.11" points=3
+# %% [markdown] answer="05.11" points=3 minutes=15 words=90 optional
 # Where the rank is six the errors are of the order of $10^{-15}$, rounding. The rotation is affine,
 # so it is among the fields (5.4), and by question 05.5 the data are its exact normal velocities at
 # the midpoints: the true coefficients satisfy all equations, and the least error of (5.7) is zero,
@@ -914,27 +938,26 @@ def comparison(bend, epsilon):
 # of the data.
 
 # %% [markdown] rubric="05.11"
-# One point for errors of rounding where determined, and of the size of the velocity elsewhere. One
-# for the reason: the truth satisfies all equations, so weights have nothing to decide. One for the
-# limits of the test: it contains only an affine field, no curvature or no noise.
+# One point for the reason: the truth satisfies all equations, so the weights have no influence. One
+# for uniqueness by rank six. One for the limits of the test: it contains only an affine field, no
+# curvature or no noise.
 
 # %% [markdown]
 # ## Dig deeper
 #
 # - *A cross.* Put a vertex at the origin and its four neighbours on the two axes. The rank is five.
-#   Is the velocity at the vertex wrong? Look at the unseen flow there.
-# - *A trap.* Cut the squares of a regular grid along diagonals that alternate. Look at the vertices
+#   Is the velocity at the vertex wrong? Consider the tangent flow there.
+# - *A trap.* Cut the squares of a regular grid along alternating diagonals. Consider the vertices
 #   in the middle of a side with four triangles: six vertices, and still rank five. On which conic
 #   do they lie?
 # - *Nearly a conic.* Move the sixth vertex of a star slowly onto the conic through the other five.
-#   How does the smallest singular value of $\mathbf{B}'$ go to zero? Add noise of size $10^{-3}$ to
-#   the normal velocities. By how much is it enlarged?
-# - *Order.* Take the bent whirl on meshes with more and more vertices. With which power of the
-#   length of the edges does the error fall, with one ring and with two? Look at the root of the
-#   mean square, and at the largest.
-# - *Least length.* Where the solution is not unique `lstsq` takes the $\mathbf{c}$ of least length.
-#   Multiply all coordinates by ten, and the field by ten as well. Is the answer ten times the old
-#   one?
+#   How does the smallest singular value of $\mathbf{B}'$ tend to zero? Add noise of size $10^{-3}$
+#   to the normal velocities. By which factor is it magnified?
+# - *Order.* Take the bent vortex on finer and finer meshes. With which power of the edge length
+#   does the error decrease, with one ring and with two? Consider the root-mean-square error and the
+#   largest error.
+# - *Minimum norm.* Where the solution is not unique, `lstsq` returns the $\mathbf{c}$ of least
+#   norm. Multiply all coordinates and the field by ten. Is the new result ten times the old one?
 
 # %%
 progress()

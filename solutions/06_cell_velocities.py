@@ -1,5 +1,10 @@
 # ---
 # jupyter:
+#   course:
+#     builds_on:
+#       "01": least squares with more equations than unknowns
+#     pages: slides, pages 23–26 and 44
+#     chapters: [07-cell-velocities]
 #   jupytext:
 #     text_representation:
 #       extension: .py
@@ -13,15 +18,23 @@
 # %% [markdown]
 # # Velocities of the cells of a mesh
 #
-# How fast does the fluid cross each edge? That is what many programs that compute a flow on
-# triangles know, and nothing else. The cheapest way to whole velocities gives each triangle one
-# vector, found from its own three sides. By the end of this notebook you have written it, you know
-# what it does with data that contradict each other, and you have met a test that makes it look
-# perfect, and one that makes it look bad. Both are misleading, and you can say why.
+# Many flow solvers on triangle meshes store one number for each edge: the velocity of the fluid
+# across this edge. This notebook reconstructs one velocity vector for each triangle from the
+# numbers at its three edges, by least squares. You will see what least squares does with data that
+# contradict each other. You will also see two tests of
+# the same method. One test makes it look exact and the other makes it look poor, and you will be
+# able to explain both.
 #
-# Each question asks for a function. Write it, run its cell, and run the check below it. The check
-# tells you whether it is right and, if it is not, what kind of mistake it may be. You need nothing
-# from other notebooks. There are seven short functions and two questions in words.
+# Notebook 05 reconstructs velocities at vertices from the same data. **Sources**: the lecture
+# slides "Field Reconstruction" by K. Erleben, pages 23–25 and 44; for the last part P.-A. Raviart
+# and J.-M. Thomas, *A mixed finite element method for 2nd order elliptic problems* (1977). **To
+# search for**: least squares, outward normal, circumcentre, symmedian point (Lemoine point),
+# discrete divergence, Raviart–Thomas element.
+#
+# Each question asks for a short function, or for an answer in words. Write the function, run its
+# cell, and run the check below it. The check reports whether the function is right and, if not,
+# which kind of mistake it may contain. Then `case()`, in a new cell, shows the inputs for which
+# your function failed, your values, and the right ones.
 
 # %% tags=["setup"]
 import numpy as np
@@ -34,6 +47,7 @@ from fieldcheck import (
     ORANGE,
     PURPLE,
     Slider,
+    case,
     check,
     data,
     draw,
@@ -45,15 +59,15 @@ from fieldcheck import (
 # %% [markdown]
 # ## The problem in a picture
 #
-# A triangle, and the speeds at which the fluid leaves it: the orange arrows. The second one points
-# inwards, so there the fluid comes in. You may choose one velocity for the whole triangle, the
-# black arrow. The blue bars show its part across each side, from the side to the dot. Try to bring
-# all three dots to the tips of the orange arrows.
-
+# The orange arrows are the velocities at which the fluid leaves the triangle through its sides. The
+# arrow on the second side points inwards: there the fluid enters. Choose one velocity for the whole
+# triangle with the sliders; it is the black arrow. Each blue bar is the component of your velocity
+# across one side, from the side to the dot. Try to bring all three dots to the tips of the orange
+# arrows.
 
 # %%
 TURNS = np.array([0.4, 2.3, 4.4])
-WANTED = np.array([0.75, -0.55, 0.3])
+OUTFLOW = np.array([0.75, -0.55, 0.3])
 
 
 @draw(direction=Slider(-180, 180, -40, "direction", whole=True), speed=Slider(0, 1.5, 0.8, "speed"))
@@ -65,64 +79,114 @@ def the_problem(direction, speed):
     middles = (np.array(corners) + np.roll(corners, 1)) / 2
     u = speed * np.exp(1j * np.radians(direction))
     parts = (u * out.conj()).real
-    off = np.sqrt(np.sum((parts - WANTED) ** 2))
+    off = np.sqrt(np.sum((parts - OUTFLOW) ** 2))
     with figure(6.4, 3.8) as page:
         axes = page.subplots()
         axes.fill(np.real(corners), np.imag(corners), fc="none", ec=GREY, lw=1.4)
         arrows = dict(angles="xy", scale_units="xy", scale=1, zorder=3)
-        for place, way, wanted, part in zip(middles, out, WANTED, parts, strict=True):
+        for middle, normal, wanted, part in zip(middles, out, OUTFLOW, parts, strict=True):
             axes.quiver(
-                place.real,
-                place.imag,
-                wanted * way.real,
-                wanted * way.imag,
+                middle.real,
+                middle.imag,
+                wanted * normal.real,
+                wanted * normal.imag,
                 color=ORANGE,
                 width=0.007,
                 **arrows,
             )
-            tip = place + part * way
-            axes.plot([place.real, tip.real], [place.imag, tip.imag], color=BLUE, lw=5, alpha=0.4)
+            tip = middle + part * normal
+            axes.plot([middle.real, tip.real], [middle.imag, tip.imag], color=BLUE, lw=5, alpha=0.4)
             axes.plot(tip.real, tip.imag, "o", color=BLUE, ms=7)
         axes.quiver(0, 0, u.real, u.imag, color="black", width=0.008, **arrows)
         axes.set(aspect="equal", xticks=[], yticks=[], xlim=(-2.9, 2.4), ylim=(-2.1, 2.0))
-        axes.set_title(f"the three differences together: {off:.2f}")
+        axes.set_title(f"length of the residual: {off:.2f}")
         for side in axes.spines.values():
             side.set_visible(False)
     return page
 
 
 # %% [markdown]
-# **What to look at.** Two dots can be brought to their places, any two. The third has then no
-# choice. There are three numbers, and a velocity has two: one equation too many.
+# **What to look at.** You can bring any two of the dots to their arrows, but then the third is
+# determined. The data are three numbers, and a velocity in the plane has two components: there is
+# one equation too many.
 
 # %% [markdown]
-# ## One equation too many
+# ## Three equations for two components
 #
-# Let $\mathbf{q}_1, \mathbf{q}_2, \mathbf{q}_3$ be the corners of a triangle. *Side* $a$ is the one
-# opposite to corner $\mathbf{q}_a$; let $l_a$ be its length and $\mathbf{n}_a$ its *outward unit
-# normal*: of length one, perpendicular to the side, away from $\mathbf{q}_a$. If $v_a$ is the
-# velocity at which the fluid leaves through side $a$, a constant velocity $\mathbf{u}$ should
-# satisfy
+# Let $\mathbf{q}_1, \mathbf{q}_2, \mathbf{q}_3$ be the corners of a triangle. *Side* $a$ is the
+# side opposite to corner $\mathbf{q}_a$, and $l_a$ is its length. The *outward unit normal*
+# $\mathbf{n}_a$ has length one, is perpendicular to side $a$, and points away from $\mathbf{q}_a$.
+# Let $v_a$ be the velocity at which the fluid leaves through side $a$. A constant velocity
+# $\mathbf{u}$ should satisfy
 #
 # $$ \mathbf{N}\mathbf{u} = \mathbf{v}, \qquad
 #    \mathbf{N} = \begin{bmatrix} \mathbf{n}_1^T \\ \mathbf{n}_2^T \\ \mathbf{n}_3^T \end{bmatrix},
 #    \qquad
 #    \mathbf{v} = \begin{bmatrix} v_1 \\ v_2 \\ v_3 \end{bmatrix}. \tag{6.1} $$
 #
+# The three equations contradict each other in general. So we take the velocity with the smallest
+# sum of squared residuals:
+#
+# $$ \mathbf{u} \quad \text{minimises} \quad \lVert \mathbf{N}\mathbf{u} - \mathbf{v} \rVert.
+#    \tag{6.2} $$
+#
+# ## A worked example
+#
+# The triangle with the corners $(0, 0)$, $(4, 0)$ and $(0, 3)$ has the sides 5, 3 and 4. Side 1,
+# opposite to the corner $(0, 0)$, runs from $(4, 0)$ to $(0, 3)$. So it has the direction
+# $(-4, 3)$, and $(3, 4)$ is perpendicular to it and points away from $(0, 0)$. The two other sides
+# lie on the axes. With the normal velocities $\mathbf{v} = (3.2, -0.4, -1.2)^T$,
+#
+# $$ \mathbf{N} = \begin{bmatrix} 0.6 & 0.8 \\ -1 & 0 \\ 0 & -1 \end{bmatrix}, \qquad
+#    \mathbf{N}^T\mathbf{N} = \begin{bmatrix} 1.36 & 0.48 \\ 0.48 & 1.64 \end{bmatrix}, \qquad
+#    \mathbf{N}^T\mathbf{v} = \begin{bmatrix} 2.32 \\ 3.76 \end{bmatrix}. $$
+#
+# The determinant of $\mathbf{N}^T\mathbf{N}$ is 2, and the solution of the normal equations is
+# $\mathbf{u} = (1, 2)^T$. The residual $\mathbf{N}\mathbf{u} - \mathbf{v} = (-1, -0.6, -0.8)^T$ is
+# not zero, but $\mathbf{N}^T$ maps it to zero. The next cell checks these numbers.
+
+
+# %%
+normals = np.array([[0.6, 0.8], [-1, 0], [0, -1]])
+outflow = np.array([3.2, -0.4, -1.2])
+print("normal matrix\n", normals.T @ normals)
+print("its right-hand side", normals.T @ outflow)
+residual = normals @ [1, 2] - outflow
+print("residual", residual.round(12), "and its image", (normals.T @ residual).round(12))
+
+# %% [markdown]
+# Here is a finished function of the kind that you will write: its docstring gives the shapes, its
+# body is the definition, and no corner is treated differently from the others. You may use it.
+
+
+# %%
+def side_lengths(q):
+    """Return the lengths l_1, l_2, l_3 of the sides, of shape (3,), for the corners q (3, 2).
+
+    Side a is opposite to q[a].
+    """
+    ends = [(q[1], q[2]), (q[2], q[0]), (q[0], q[1])]
+    return np.array([np.linalg.norm(second - first) for first, second in ends])
+
+
+print(side_lengths(np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]])))
+
+# %% [markdown]
 # ### 06.1 The outward normals
 #
-# Write a function that returns $\mathbf{N}$. The corners may be listed clockwise or anticlockwise.
+# Write a function that returns $\mathbf{N}$ of (6.1). The corners may be listed clockwise or
+# anticlockwise.
 #
 # <details><summary>Hint</summary>
 #
-# Turn the side by a right angle. There are two ways to do so, and which of them is outward depends
-# on the order of the corners. Look at the corner opposite: on which side of the line is it? A
-# scalar product tells.
+# Rotate the side by a right angle. There are two rotations by a right angle, and the order of the
+# corners determines which of them gives the outward normal. On which side of the line is the
+# opposite corner? The sign of a scalar product answers this.
 #
 # </details>
 
 
-# %% question="06.1"
+# %% question="06.1" minutes=25
 def outward_normals(q):
     """Return N of (6.1), of shape (3, 2), for the corners q (3, 2).
 
@@ -143,16 +207,19 @@ def outward_normals(q):
 check("06.1")
 
 # %% [markdown]
-# Since there are three equations and two unknowns, we take the velocity that leaves the smallest
-# error:
-#
-# $$ \mathbf{u} \quad \text{minimises} \quad \lVert \mathbf{N}\mathbf{u} - \mathbf{v} \rVert.
-#    \tag{6.2} $$
-#
 # ### 06.2 The velocity of a cell
+#
+# Write a function that returns the least-squares solution (6.2).
+#
+# <details><summary>Hint</summary>
+#
+# NumPy has a function for least squares. The normal equations of notebook 01 are another way, and
+# here a good one: the matrix has two columns of length about one.
+#
+# </details>
 
 
-# %% question="06.2"
+# %% question="06.2" minutes=5
 def cell_velocity(q, v):
     """Return u of (6.2), of shape (2,).
 
@@ -167,12 +234,12 @@ def cell_velocity(q, v):
 check("06.2")
 
 # %% [markdown]
-# ## What is left over
+# ## The residual and the divergence
 #
-# Each equation $\mathbf{n}_a \cdot \mathbf{u} = v_a$ is a line in the plane of all velocities.
-# Below, on the right, these are the three lines of the triangle on the left, and the dot is your
-# velocity. The slider lets the triangle be a source: it adds the same outflow *per length* to all
-# sides, so that more fluid leaves than enters.
+# Each equation $\mathbf{n}_a \cdot \mathbf{u} = v_a$ is a line in the plane of all velocities. The
+# right panel shows the three lines for the triangle of the left panel, and the dot is your
+# velocity. The slider *source* adds a multiple of $l_a$ to each $v_a$, so that more fluid leaves
+# the triangle than enters it.
 
 
 # %%
@@ -226,30 +293,31 @@ def three_lines(source, shape):
 
 
 # %% [markdown]
-# **What to look at.** Without a source the three lines meet in one point. With it they enclose a
-# triangle, whose shape you have seen before. And however strong the source is: *your velocity does
-# not move*. To see why, multiply $\mathbf{N}^T$ by the vector of lengths $\mathbf{l} = (l_1, l_2,
-# l_3)^T$. The sides of a triangle, one after the other, lead back to where one started; turn them
-# all by a right angle, and you have
+# **What to look at.** Without a source the three lines meet in one point. With a source they
+# enclose a small triangle that is similar to the given one. However strong the source is, *your
+# velocity does not move*. The reason is a property of the vector of lengths
+# $\mathbf{l} = (l_1, l_2, l_3)^T$. The sides of a triangle, placed end to end, form a closed path,
+# so their vectors sum to zero. Rotated by a right angle, this sum is
 #
 # $$ \mathbf{N}^T \mathbf{l} = \sum_a l_a \mathbf{n}_a = \mathbf{0}. \tag{6.3} $$
 #
-# So $\mathbf{l}$ is perpendicular to everything that $\mathbf{N}\mathbf{u}$ can be, and least
-# squares ignores it. What no constant velocity explains is the part of $\mathbf{v}$ along
-# $\mathbf{l}$. Its length is the *defect* of the cell,
+# Hence $\mathbf{l}$ is orthogonal to the range of $\mathbf{N}$, and least squares ignores the
+# component of $\mathbf{v}$ along $\mathbf{l}$. This component is the residual. Its length is the
+# *defect* of the cell,
 #
 # $$ d = \frac{\lvert \mathbf{l} \cdot \mathbf{v} \rvert}{\lVert \mathbf{l} \rVert}
 #      = \lVert \mathbf{N}\mathbf{u} - \mathbf{v} \rVert . \tag{6.4} $$
 #
-# And $\mathbf{l} \cdot \mathbf{v} = \sum_a l_a v_a$ is what flows out of the triangle on the whole,
-# its area times the *divergence*.
+# The number $\mathbf{l} \cdot \mathbf{v} = \sum_a l_a v_a$ is the net outflow of the triangle: its
+# area times the *discrete divergence*. In the worked example
+# $\mathbf{l} \cdot \mathbf{v} = 16 - 1.2 - 4.8 = 10$ and $d = 10/\sqrt{50} = \sqrt{2}$.
 #
 # ### 06.3 The defect
 #
-# Either side of (6.4) will do.
+# Write a function that returns $d$. You may use either side of (6.4).
 
 
-# %% question="06.3"
+# %% question="06.3" minutes=10
 def defect(q, v):
     """Return d of (6.4), a number.
 
@@ -264,30 +332,36 @@ def defect(q, v):
 check("06.3")
 
 # %% [markdown]
-# ## Where does the velocity belong?
+# ## The circumcentre
 #
-# To compare with a truth we need places. A constant velocity belongs to the whole cell, but the
-# truth is different at each place in it. In finite volumes one often takes the *circumcentre*
-# $\mathbf{O}$, the place that is equally far from all three corners. From $\lVert \mathbf{O} -
-# \mathbf{q}_k \rVert = \lVert \mathbf{O} - \mathbf{q}_1 \rVert$ follow two linear equations,
+# A constant velocity belongs to the whole cell, but the exact field differs from point to point. To
+# compare the two we have to choose a point. Finite-volume methods often choose the *circumcentre*
+# $\mathbf{O}$, which has the same distance from all three corners. From
+# $\lVert \mathbf{O} - \mathbf{q}_k \rVert = \lVert \mathbf{O} - \mathbf{q}_1 \rVert$ follow two
+# linear equations,
 #
 # $$ 2\, (\mathbf{q}_k - \mathbf{q}_1) \cdot (\mathbf{O} - \mathbf{q}_1)
 #    = \lVert \mathbf{q}_k - \mathbf{q}_1 \rVert^2, \qquad k = 2, 3. \tag{6.5} $$
 #
+# For the triangle of the worked example the equations are $8\,O_1 = 16$ and $6\,O_2 = 9$, so
+# $\mathbf{O} = (2, 1.5)^T$, the midpoint of the longest side.
+#
 # ### 06.4 The circumcentre
 #
-# Write a function that returns it. It must be as good for a triangle far from the origin.
+# Write a function that returns $\mathbf{O}$. It must keep its accuracy for a triangle far from the
+# origin.
 #
 # <details><summary>Hint</summary>
 #
-# The unknown in (6.5) is not $\mathbf{O}$ but $\mathbf{O} - \mathbf{q}_1$. Formulas with squares of
-# the coordinates themselves are right on paper; how many digits are left of a difference of two
-# squares of size $10^{10}$?
+# The unknown of (6.5) is $\mathbf{O} - \mathbf{q}_1$, not $\mathbf{O}$. Formulas with the squares
+# of the coordinates themselves are right in exact arithmetic. In floating-point arithmetic they
+# lose digits by *cancellation*: a double has 16 digits, and two squares of size $10^{12}$ are known
+# to about $10^{-4}$ only.
 #
 # </details>
 
 
-# %% question="06.4"
+# %% question="06.4" minutes=10
 def circumcentre(q):
     """Return O of (6.5), of shape (2,), for the corners q (3, 2)."""
     # BEGIN SOLUTION
@@ -300,26 +374,26 @@ def circumcentre(q):
 check("06.4")
 
 # %% [markdown]
-# ## A flow that is known
+# ## An exact field for tests
 #
-# The truth shall be a rotation about a place $\mathbf{m}$, and an expansion from there at the rate
-# $s$:
+# The test field is a rotation about a point $\mathbf{m}$ plus an expansion from $\mathbf{m}$ at the
+# rate $s$:
 #
 # $$ \mathbf{u}(\mathbf{x}) = \mathbf{J}\,(\mathbf{x} - \mathbf{m}) + s\,(\mathbf{x} - \mathbf{m}),
 #    \qquad
 #    \mathbf{J} = \begin{bmatrix} 0 & -1 \\ 1 & 0 \end{bmatrix}. \tag{6.6} $$
 #
-# For $s = 0$ nothing flows out of any cell: the field is *free of divergence*. For $s > 0$ every
-# cell is a source.
+# Its divergence is $2s$. For $s = 0$ the field is *free of divergence*: the net outflow of every
+# cell is zero. For $s > 0$ every cell is a source, and for $s < 0$ every cell is a sink.
 #
-# ### 06.5 The truth in closed form
+# ### 06.5 The exact velocity
 #
-# Write the field, at many places at once.
+# Write the field (6.6) for many points at once. The number $s$ may be negative.
 
 
-# %% question="06.5"
+# %% question="06.5" minutes=10
 def truth(x, m, s):
-    """Return u of (6.6) at places x (M, 2), of shape (M, 2).
+    """Return u of (6.6) at points x (M, 2), of shape (M, 2).
 
     The centre m has the shape (2,), and s is a number.
     """
@@ -333,78 +407,84 @@ def truth(x, m, s):
 check("06.5")
 
 # %% [markdown]
-# Everything together: a mesh, the normal velocities $v_a = \mathbf{n}_a \cdot
-# \mathbf{u}(\mathbf{p}_a)$ at the middles $\mathbf{p}_a$ of the sides, and your velocities as thin
-# orange arrows at the circumcentres. The broad blue ones are the truth there.
+# The next picture shows a mesh with the normal velocities
+# $v_a = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a)$ at the midpoints $\mathbf{p}_a$ of the sides.
+# The thin orange arrows at the circumcentres are your velocities. The broad blue arrows are the
+# exact velocities at the same points.
 
 
 # %%
 def scattered(number, seed):
-    """Vertices (K, 2) of a mesh of the unit square, spread evenly, but not in rows; and its
-    triangles (T, 3).
-    """
+    """Return vertices (K, 2) of an irregular mesh of the unit square, and its triangles (T, 3)."""
     random = np.random.default_rng(seed)
     points = np.stack([np.arange(16) / 4 % 1, np.zeros(16)], axis=1)
     turn = np.exp(0.5j * np.pi * (np.arange(16) // 4)) * (points[:, 0] - 0.5 - 0.5j)
     points = 0.5 + np.stack([turn.real, turn.imag], axis=1)
     while len(points) < number:
         more = random.uniform(0.08, 0.92, (9, 2))
-        free = [np.hypot(*(points - place).T).min() for place in more]
+        free = [np.hypot(*(points - point).T).min() for point in more]
         points = np.vstack([points, more[np.argmax(free)]])
     return points, Triangulation(*points.T).triangles
 
 
-def leaving(corners, field):
-    """The normal velocities of a field at the middles of the sides of one cell, outward, (3,)."""
-    middle_of_side = [np.delete(corners, k, axis=0).mean(axis=0) for k in (0, 1, 2)]
-    return np.einsum("ak,ak->a", outward_normals(corners), field(np.array(middle_of_side)))
+def normal_velocities(corners, field):
+    """Return the outward normal velocities (3,) of a field at the midpoints of the sides."""
+    midpoints = np.array([np.delete(corners, k, axis=0).mean(axis=0) for k in (0, 1, 2)])
+    return np.einsum("ak,ak->a", outward_normals(corners), field(midpoints))
 
 
-def of_the_cells(points, triangles, field):
-    """Circumcentres, velocities and defects of all cells, for a field given as a function of
-    places.
-    """
-    places, found, left = [], [], []
-    for corners in points[triangles]:
-        v = leaving(corners, field)
-        places.append(circumcentre(corners))
-        found.append(cell_velocity(corners, v))
-        left.append(defect(corners, v))
-    return np.array(places), np.array(found), np.array(left)
+def all_cells(points, triangles, field):
+    """Return the circumcentres, velocities and defects of all cells for a field."""
+    corners = points[triangles]
+    data_of_cells = [normal_velocities(q, field) for q in corners]
+    pairs = list(zip(corners, data_of_cells, strict=True))
+    return (
+        np.array([circumcentre(q) for q in corners]),
+        np.array([cell_velocity(q, v) for q, v in pairs]),
+        np.array([defect(q, v) for q, v in pairs]),
+    )
 
 
 @draw(s=Slider(-1, 1, 0, "expansion s"), seed=Slider(1, 12, 1, "mesh", whole=True))
 def cells(s, seed):
     points, triangles = scattered(34, seed)
     middle = points.mean(axis=0)
-    places, found, left = of_the_cells(points, triangles, lambda x: truth(x, middle, s))
-    right = truth(places, middle, s)
+    centres, found, defects = all_cells(points, triangles, lambda x: truth(x, middle, s))
+    right = truth(centres, middle, s)
     look = dict(angles="xy", scale_units="xy", scale=3.4)
     with figure(6.4, 4.3) as page:
         axes = page.subplots()
         axes.triplot(*points.T, triangles, color=GREY, lw=0.7, zorder=0)
-        axes.quiver(*places.T, *right.T, color=BLUE, alpha=0.45, width=0.012, label="truth", **look)
-        axes.quiver(*places.T, *found.T, color=ORANGE, width=0.005, label="yours", **look)
+        axes.quiver(
+            *centres.T, *right.T, color=BLUE, alpha=0.45, width=0.012, label="exact", **look
+        )
+        axes.quiver(*centres.T, *found.T, color=ORANGE, width=0.005, label="yours", **look)
         axes.plot(*middle, "+", ms=11, color="black", label=r"$\mathbf{m}$")
         axes.set(aspect="equal", xticks=[], yticks=[], xlim=(-0.2, 1.2), ylim=(-0.2, 1.2))
         axes.axis("off")
         worst = np.hypot(*(found - right).T).max()
-        axes.set_title(f"$s$ = {s:.2g}: largest error {worst:.1g}, largest defect {left.max():.1g}")
+        axes.set_title(
+            f"$s$ = {s:.2g}: largest error {worst:.1g}, largest defect {defects.max():.1g}"
+        )
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
 
 
 # %% [markdown]
-# **What to look at.** For $s = 0$ all arrows agree, to the last digit, in every cell of every mesh.
-# Let the flow expand. Now they do not, and the cells with a long side and a flat angle are the
-# worst.
+# **What to look at.** For $s = 0$ the arrows agree up to rounding errors, in every cell of every
+# mesh. For $s \neq 0$ they do not. The error is largest in obtuse cells.
 #
-# ### 06.6 Compared where?
+# ## The point of comparison
 #
-# One could have compared elsewhere: at the centroids of the cells, or with the velocities at the
-# vertices. Write a function that does all three. With $\mathbf{m}$ the mean of the points, $v_a =
-# \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a)$ at the middles of the sides, and $\mathbf{u}_T$ the
-# velocity of cell $T$, it returns the root mean squares
+# The circumcentre is not the only possible point. One could compare with the exact field at the
+# centroids of the cells, or at the vertices of the mesh.
+#
+# ### 06.6 Errors at three kinds of points
+#
+# Write a function that returns the root-mean-square (RMS) errors for all three choices. Let
+# $\mathbf{m}$ be the mean of the points, let the data be
+# $v_a = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a)$ at the midpoints of the sides, and let
+# $\mathbf{u}_T$ be your velocity of cell $T$. Then
 #
 # $$ E_{\mathbf{O}} = \sqrt{\operatorname{mean}_T \lVert \mathbf{u}_T - \mathbf{u}(\mathbf{O}_T)
 #    \rVert^2}, \qquad
@@ -414,11 +494,12 @@ def cells(s, seed):
 # $$ E_{\mathbf{q}} = \sqrt{\operatorname{mean}_{T, a} \lVert \mathbf{u}_T -
 #    \mathbf{u}(\mathbf{q}_{T,a}) \rVert^2} \tag{6.7} $$
 #
-# at the circumcentres $\mathbf{O}_T$, at the centroids $\mathbf{M}_T$, and at the three corners of
-# each cell.
+# are the errors at the circumcentres $\mathbf{O}_T$, at the centroids $\mathbf{M}_T$, and at the
+# corners $\mathbf{q}_{T,a}$ of each cell. Another $\mathbf{m}$ would give the same errors: it adds
+# the same constant velocity to the field and to all $\mathbf{u}_T$.
 
 
-# %% question="06.6"
+# %% question="06.6" minutes=25
 def errors(points, triangles, s):
     """Return the three errors of (6.7), of shape (3,).
 
@@ -426,14 +507,14 @@ def errors(points, triangles, s):
     """
     # BEGIN SOLUTION
     m = points.mean(axis=0)
-    missed = []
+    squares = []
     for q in points[triangles]:
         middles = (q.sum(axis=0) - q) / 2
         v = np.sum(outward_normals(q) * truth(middles, m, s), axis=1)
-        places = np.vstack([circumcentre(q), q.mean(axis=0), q])
-        missed.append(np.sum((cell_velocity(q, v) - truth(places, m, s)) ** 2, axis=1))
-    missed = np.array(missed)
-    return np.sqrt([missed[:, 0].mean(), missed[:, 1].mean(), missed[:, 2:].mean()])
+        compared_at = np.vstack([circumcentre(q), q.mean(axis=0), q])
+        squares.append(np.sum((cell_velocity(q, v) - truth(compared_at, m, s)) ** 2, axis=1))
+    squares = np.array(squares)
+    return np.sqrt([squares[:, 0].mean(), squares[:, 1].mean(), squares[:, 2:].mean()])
     # END SOLUTION
 
 
@@ -441,8 +522,8 @@ def errors(points, triangles, s):
 check("06.6")
 
 # %% [markdown]
-# On the left the errors on a mesh of your own, against $s$. On the right those for the $s$ of the
-# slider, on finer and finer meshes.
+# The left panel shows the errors on a mesh of your own, against $s$. The right panel shows the
+# errors for the $s$ of the slider on a sequence of finer meshes, with a line of slope 1.
 
 
 # %%
@@ -451,41 +532,60 @@ def compared_where(s):
     points, triangles, _ = data("06.6")
     rates = np.linspace(0, 1, 11)
     table = np.array([errors(points, triangles, float(rate)) for rate in rates])
-    sizes = (24, 40, 80, 160)
-    finer = np.array([errors(*scattered(number, 2), s) for number in sizes])
-    looks = (
+    numbers = (24, 40, 80, 160)
+    meshes = [scattered(number, 2) for number in numbers]
+    cell_sizes = np.array([1 / np.sqrt(len(triangles)) for _, triangles in meshes])
+    finer = np.array([errors(*mesh, s) for mesh in meshes])
+    styles = (
         ("at circumcentres", ORANGE, "o-"),
         ("at centroids", GREEN, "s--"),
         ("at vertices", PURPLE, "^:"),
     )
-    with figure(6.8, 3.1) as page:
+    with figure(6.8, 3.2) as page:
         left, right = page.subplots(1, 2)
-        for k, (label, color, look) in enumerate(looks):
-            left.plot(rates, table[:, k], look, ms=4, color=color, label=label)
-            right.loglog(np.sqrt(sizes), np.maximum(finer[:, k], 1e-16), look, ms=5, color=color)
+        for k, (label, color, style) in enumerate(styles):
+            left.plot(rates, table[:, k], style, ms=4, color=color, label=label)
+            if finer[:, k].min() > 1e-12:
+                right.loglog(cell_sizes, finer[:, k], style, ms=5, color=color)
+        right.loglog(cell_sizes, 0.6 * cell_sizes, color=GREY, lw=1, label="slope 1")
+        if finer[:, 0].max() < 1e-12:
+            right.text(
+                0.5,
+                0.05,
+                f"circumcentres: below {10.0 ** np.ceil(np.log10(finer[:, 0].max())):.0e}",
+                transform=right.transAxes,
+                ha="center",
+                color=ORANGE,
+            )
         left.axvline(s, color="black", ls=":", lw=1)
-        left.set(xlabel="expansion $s$", ylabel="error", ylim=(0, None), title="your mesh")
+        left.set(xlabel="expansion $s$", ylabel="RMS error", ylim=(0, None), title="your mesh")
         right.set(
-            xlabel="root of the number of vertices",
+            xlabel="size of a cell",
+            ylim=(0.01, 0.5),
             title=f"finer meshes, $s$ = {s:.2g}",
-            xticks=[5, 10],
-            xticklabels=["5", "10"],
+            xticks=[0.06, 0.1, 0.2],
+            xticklabels=["0.06", "0.1", "0.2"],
+            yticks=[0.01, 0.02, 0.05, 0.1, 0.2, 0.5],
+            yticklabels=["0.01", "0.02", "0.05", "0.1", "0.2", "0.5"],
         )
         right.minorticks_off()
+        right.legend(loc="upper left")
         page.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return page
 
 
 # %% [markdown]
-# **What to look at.** For $s = 0$ one curve is at zero and the two others are not. On the right it
-# is at the level of rounding, while the others fall slowly, as if the method were of first order.
-# It is the same method, with the same numbers. For larger $s$ the order of the curves may change.
+# **What to look at.** For $s = 0$ the error at the circumcentres is zero up to rounding. The two
+# other errors are proportional to the size of the cells, so the method seems to be of first order.
+# It is the same method with the same data. For larger $s$ the circumcentre is no longer the best of
+# the three.
 #
-# ### Which place has the velocity that was found?
+# ### The point where the exact field has the velocity of the cell
 #
-# For one triangle: the truth (6.6) takes the velocity that you have found at one place, the dot. It
-# wanders as $s$ changes, from the circumcentre $\mathbf{O}$ towards $\mathbf{K}$, the *symmedian
-# point* $\mathbf{K} = \sum_a l_a^2 \mathbf{q}_a / \sum_a l_a^2$. Change the shape of the triangle,
+# For one triangle, the exact field (6.6) has the velocity of the cell at exactly one point: the
+# orange dot. As $s$ grows, the dot moves from the circumcentre $\mathbf{O}$ ($s = 0$) towards
+# $\mathbf{K} = \sum_a l_a^2 \mathbf{q}_a / \sum_a l_a^2$ ($s \to \pm\infty$). The point
+# $\mathbf{K}$ is called the *symmedian point* or Lemoine point. Change the shape of the triangle,
 # too.
 
 
@@ -495,20 +595,31 @@ def compared_where(s):
     apex=Slider(-0.6, 1.6, 0.5, "apex"),
     height=Slider(0.2, 1.4, 0.8, "height"),
 )
-def wandering_place(s, apex, height):
+def matching_point(s, apex, height):
     q = np.array([[-0.7, -0.3], [0.8, -0.3], [apex, height - 0.3]])
-    middle, way = np.array([-0.2, 0.1]), []
+    middle, path = np.array([-0.2, 0.1]), []
     for rate in (*np.linspace(-8, 8, 161), s):
-        _, (u,), _ = of_the_cells(
+        _, (u,), _ = all_cells(
             q, np.array([[0, 1, 2]]), lambda x, rate=rate: truth(x, middle, rate)
         )
-        way.append(middle + np.linalg.inv([[rate, -1], [1, rate]]) @ u)
+        path.append(middle + np.linalg.inv([[rate, -1], [1, rate]]) @ u)
     squares = [np.sum(np.diff(np.delete(q, k, axis=0), axis=0) ** 2) for k in (0, 1, 2)]
     with figure(6.4, 3.7) as page:
         axes = page.subplots()
         axes.fill(*q.T, fc="none", ec="black", lw=1.2)
-        axes.plot(*np.array(way[:-1]).T, color=ORANGE, lw=1.2, label="its way, for all $s$")
-        axes.plot(*way[-1], "o", ms=9, color=ORANGE, label=f"the place for $s$ = {s:.2g}")
+        axes.plot(
+            *np.array(path[:-1]).T,
+            color=ORANGE,
+            lw=1.2,
+            label=r"exact field = $\mathbf{u}$, all $s$",
+        )
+        axes.plot(
+            *path[-1],
+            "o",
+            ms=9,
+            color=ORANGE,
+            label=f"exact field = $\\mathbf{{u}}$, $s$ = {s:.2g}",
+        )
         axes.plot(*circumcentre(q), "^", ms=8, color=BLUE, label=r"circumcentre $\mathbf{O}$")
         axes.plot(
             *np.average(q, axis=0, weights=squares),
@@ -527,80 +638,79 @@ def wandering_place(s, apex, height):
 # %% [markdown]
 # ### In words
 #
-# **06.7** The field is the rotation, $s = 0$. Compare the velocities of the cells with the
-# velocities at the vertices of the mesh. Are they meaningful? With what should they be compared,
-# and what does the difference from the vertices measure? Prove that for a rotation the velocity of
-# a cell is *exactly* the truth at the circumcentre. Does it follow that the method is exact there
-# for other fields?
+# **06.7** The exact field is the rotation, $s = 0$. Prove that
+# the velocity of a cell is *exactly* the field at the circumcentre of the cell, whatever the shape
+# of the triangle.
 #
 # <details><summary>Hint</summary>
 #
-# Write the field about the circumcentre, $\mathbf{u}(\mathbf{x}) = \mathbf{u}(\mathbf{O}) +
-# \mathbf{J}(\mathbf{x} - \mathbf{O})$. In which direction is $\mathbf{p}_a - \mathbf{O}$ for the
-# middle $\mathbf{p}_a$ of a side? In which direction, then, is $\mathbf{J}(\mathbf{p}_a -
-# \mathbf{O})$, and what of it crosses the side?
+# Write the field about the circumcentre,
+# $\mathbf{u}(\mathbf{x}) = \mathbf{u}(\mathbf{O}) + \mathbf{J}(\mathbf{x} - \mathbf{O})$. What is
+# the direction of $\mathbf{p}_a - \mathbf{O}$ for the midpoint $\mathbf{p}_a$ of a side? What,
+# then, is the direction of $\mathbf{J}(\mathbf{p}_a - \mathbf{O})$, and what is its component
+# across the side?
 #
 # </details>
 
-# %% [markdown] answer="06.7" points=5
-# They are meaningful, but a vector of a cell must be compared with the truth at the right place.
-# For an affine field the truth in the cell varies by its slope times the size of the cell, so a
-# difference from the velocity at a vertex is no error of the method: at every corner it is
-# $\lVert\mathbf{J}(\mathbf{q}_a - \mathbf{O})\rVert = R$, the circumradius. It measures the mesh,
-# and falls like the size of the cells, which looks like a method of first order. At the centroid,
-# where the mean of the three vertex velocities belongs, it is the distance of centroid and
-# circumcentre. The closed form $\mathbf{u}(\mathbf{O}) = \mathbf{J}(\mathbf{O} - \mathbf{m})$ is
-# what to compare with: the difference is rounding.
+# %% [markdown] answer="06.7" points=5 minutes=20 words=120
+# The circumcentre lies on the perpendicular bisector of every side, so $\mathbf{p}_a - \mathbf{O}$
+# is a multiple of $\mathbf{n}_a$, or zero. The matrix $\mathbf{J}$ rotates by a right angle, so
+# $\mathbf{n}_a \cdot \mathbf{J}(\mathbf{p}_a - \mathbf{O}) = 0$. Hence
+# $v_a = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a) = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{O})$
+# for all three sides: the constant $\mathbf{u}(\mathbf{O})$ satisfies all equations of (6.1).
 #
-# *Proof.* The circumcentre lies on the perpendicular bisector of every side, so $\mathbf{p}_a -
-# \mathbf{O}$ is a multiple of $\mathbf{n}_a$, or zero. $\mathbf{J}$ turns by a right angle:
-# $\mathbf{n}_a \cdot \mathbf{J}(\mathbf{p}_a - \mathbf{O}) = 0$. Hence $v_a = \mathbf{n}_a \cdot
-# \mathbf{u}(\mathbf{p}_a) = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{O})$ for all three sides: the
-# constant $\mathbf{u}(\mathbf{O})$ satisfies all equations of (6.1). Two of the normals are not
-# parallel, so the solution is unique, and it is what least squares returns. The shape of the
-# triangle has no part in it, nor whether $\mathbf{O}$ is inside.
+# The residual of this constant is zero, so it is a minimiser of (6.2). Two of the normals are not
+# parallel, so $\mathbf{N}$ has rank two and the minimiser is unique. The proof uses neither the
+# shape of the triangle nor that $\mathbf{O}$ lies inside.
 #
-# It does not follow for other fields. Constants and rotations are the only affine fields for which
-# this holds in every triangle. For an expansion the velocity belongs to the symmedian point; a
-# strain such as $(x, -y)$, though free of divergence, has an error of the size of the cell. For a
-# general smooth field the error is of first order. Who tests with a rotation only tests with the
-# one field that cannot fail.
+# *Remark for the discussion.* The difference from the velocity at a corner is
+# $\lVert\mathbf{J}(\mathbf{q}_a - \mathbf{O})\rVert$, the circumradius. It measures the mesh and
+# not the method. Constants and rotations are the only affine fields for which the theorem holds in
+# every triangle: an expansion belongs to the symmedian point, and the strain $(x, -y)$, which is
+# free of divergence, has an error of the size of the cell. A test with a rotation only is a test
+# with the one field that cannot fail.
 
 # %% [markdown] rubric="06.7"
-# One point for meaningful, at the circumcentre, compared with the closed form. One for what the
-# difference from the vertices measures (circumradius, or the slope times the size of the cell). Two
-# for the proof: one for the right angle, one for concluding that the constant solves all three
-# equations, uniquely. One for seeing that other fields are not exact, with an example.
+# One point for the direction of $\mathbf{p}_a - \mathbf{O}$. One for the right angle: the rotation
+# about $\mathbf{O}$ has no component across the side. One for concluding that the constant
+# satisfies all three equations. One for: it is therefore the least-squares solution. One for
+# uniqueness, or rank two.
 
 # %% [markdown]
-# ## When more flows out than in
+# ## A field for data with divergence
 #
-# For $s \neq 0$ the data of a cell contradict each other: $\mathbf{l} \cdot \mathbf{v} = 2 s A$,
-# with the area $A$. Least squares discards that. There is an old and simple field that does not. It
-# is not constant; it is called after Raviart and Thomas:
+# For $s \neq 0$ the data of a cell contradict each other, because
+# $\mathbf{l} \cdot \mathbf{v} = 2 s A$, with the area $A$ of the triangle. Least squares discards
+# this part of the data. The lowest-order *Raviart–Thomas field* does not. It is not constant:
 #
 # $$ \mathbf{w}(\mathbf{x}) = \sum_{a=1}^{3} \frac{v_a}{h_a} (\mathbf{x} - \mathbf{q}_a), \qquad
 #    h_a = \frac{2A}{l_a}, \tag{6.8} $$
 #
-# where $h_a$ is the height of the triangle over side $a$. All along side $a$ it has the normal
-# velocity $v_a$: for $b \neq a$ the corner $\mathbf{q}_b$ lies on the side, so that term does not
-# cross it, and the term with $\mathbf{q}_a$ crosses it at $v_a$.
+# where $h_a$ is the height of the triangle over side $a$. At every point of side $a$ the component
+# of $\mathbf{w}$ along $\mathbf{n}_a$ is $v_a$. For $b \neq a$ the corner $\mathbf{q}_b$ lies on
+# side $a$, so the term of $b$ is parallel to side $a$ there. The term of $a$ has the component
+# $v_a$, since $\mathbf{n}_a \cdot (\mathbf{x} - \mathbf{q}_a) = h_a$ on side $a$.
 #
-# ### 06.8 Another velocity
+# In the worked example $A = 6$, and the heights are $2.4$, $4$ and $3$. At the circumcentre
+# $(2, 1.5)$ the three terms are $\tfrac43 (2, 1.5)$, $-\tfrac1{10} (-2, 1.5)$ and
+# $-\tfrac{4}{10} (2, -1.5)$, which sum to
+# $\mathbf{w} = \bigl(\tfrac{31}{15}, \tfrac{49}{20}\bigr)$.
 #
-# Write $\mathbf{w}$ at one place.
+# ### 06.8 The Raviart–Thomas field
+#
+# Write a function that returns $\mathbf{w}$ at one point.
 #
 # <details><summary>Hint</summary>
 #
 # The area of the triangle is half the absolute value of a determinant. The height over side $a$ is
-# also how far any corner on the side is from $\mathbf{q}_a$ in the direction of $\mathbf{n}_a$.
+# also the distance of any point of side $a$ from $\mathbf{q}_a$ in the direction of $\mathbf{n}_a$.
 #
 # </details>
 
 
-# %% question="06.8"
+# %% question="06.8" minutes=15
 def raviart_thomas(q, v, x):
-    """Return w of (6.8) at the place x (2,), of shape (2,).
+    """Return w of (6.8) at the point x (2,), of shape (2,).
 
     Given are the corners q (3, 2) and the outward normal velocities v (3,).
     """
@@ -615,10 +725,10 @@ def raviart_thomas(q, v, x):
 check("06.8")
 
 # %% [markdown]
-# Three fields on a mesh: a rotation with the expansion of the slider, and one that is neither, the
-# strain $(x_1 - m_1,\, m_2 - x_2)$ with the strength of the second slider. To the normal velocities
-# noise may be added. The pictures show each cell as a dot: the error at its circumcentre against
-# its defect.
+# The next picture adds three fields on one mesh: the rotation, the expansion with the rate $s$, and
+# the strain $(x_1 - m_1,\, m_2 - x_2)$ with the strength of the second slider. The third slider
+# adds random noise to the normal velocities. Each dot is a cell: its error at the circumcentre
+# against its defect.
 
 
 # %%
@@ -636,97 +746,92 @@ def defect_and_error(s, strain, noise):
 
     rows = []
     for corners in points[triangles]:
-        v = leaving(corners, field) + noise * random.normal(size=3)
+        v = normal_velocities(corners, field) + noise * random.normal(size=3)
         center = circumcentre(corners)
-        right = field(center[np.newaxis])[0]
-        two = (cell_velocity(corners, v), raviart_thomas(corners, v, center))
-        rows.append([defect(corners, v), *(np.hypot(*(u - right)) for u in two)])
-    table = np.maximum(rows, 1e-17)
+        exact = field(center[np.newaxis])[0]
+        both = (cell_velocity(corners, v), raviart_thomas(corners, v, center))
+        rows.append([defect(corners, v), *(np.hypot(*(u - exact)) for u in both)])
+    table = np.array(rows)
+    titles = ("least squares", r"Raviart–Thomas, $\mathbf{w}(\mathbf{O})$")
     with figure(6.6, 3.0) as page:
-        for axes, column, color, title in zip(
-            page.subplots(1, 2, sharey=True),
-            (1, 2),
-            (ORANGE, BLUE),
-            ("least squares", r"$\mathbf{w}(\mathbf{O})$"),
-            strict=True,
+        panels = page.subplots(1, 2, sharex=True, sharey=True)
+        for axes, errors_of_cells, color, title in zip(
+            panels, table.T[1:], (ORANGE, BLUE), titles, strict=True
         ):
-            axes.loglog(table[:, 0], table[:, column], "o", ms=4, color=color, alpha=0.7)
+            axes.plot(table[:, 0], errors_of_cells, "o", ms=4, color=color, alpha=0.7)
             axes.set(
-                xlabel="defect of the cell",
-                title=f"{title}: mean {table[:, column].mean():.1g}",
-                xlim=(1e-18, 3),
-                ylim=(1e-18, 3),
+                xlabel="defect of the cell", title=f"{title}: mean {errors_of_cells.mean():.1g}"
             )
-            axes.set(xticks=[1e-16, 1e-8, 1], yticks=[1e-16, 1e-8, 1])
-        page.axes[0].set_ylabel("error at the circumcentre")
+        limit = max(0.1, 1.1 * table.max())
+        panels[0].set(
+            ylabel="error at the circumcentre", xlim=(-limit / 20, limit), ylim=(-limit / 20, limit)
+        )
     return page
 
 
 # %% [markdown]
-# **What to look at.** With expansion only, $\mathbf{w}(\mathbf{O})$ is exact, and least squares is
-# not. Set $s = 0$ and turn on the *strain*: now the defects are rounding, but the errors are not,
-# for neither of the two. Then set both to zero, and try *noise* alone.
+# **What to look at.** With expansion only, $\mathbf{w}(\mathbf{O})$ is exact and least squares is
+# not. Set $s = 0$ and turn on the *strain*: all defects are zero up to rounding, but the errors of
+# both methods are not. Then set $s$ and the strain to zero, and try *noise* alone.
 #
 # ### In words
 #
-# **06.9** How good are the velocities of the cells if the normal velocities are not free of
-# divergence with respect to the cells? Say what least squares does with the part of the data that
-# no constant velocity explains, and what that means for an expanding flow, and for noise. Suppose
-# all defects of a program's output are zero. Does this show that the velocities of the cells are
-# accurate?
+# **06.9** All defects of a solver's output are zero. Does this show
+# that the velocities of the cells are accurate? Begin with what least squares discards from the
+# data, and give a reason or an example for your answer.
 #
 # <details><summary>Hint</summary>
 #
-# Split $\mathbf{v}$ into a part along $\mathbf{l}$ and one perpendicular to it. What does (6.2)
-# make of each? For the last part, look at your picture with strain.
+# Split $\mathbf{v}$ into a component along $\mathbf{l}$ and one orthogonal to it. What does (6.2)
+# do with each? Then look at the picture with strain only.
 #
 # </details>
 
-# %% [markdown] answer="06.9" points=4
-# By (6.3) the vectors that $\mathbf{N}\mathbf{u}$ can be are exactly those perpendicular to
-# $\mathbf{l}$. Least squares replaces $\mathbf{v}$ by the closest of these, $\mathbf{v} -
-# \mathbf{l}\,(\mathbf{l}\cdot\mathbf{v})/\lVert\mathbf{l}\rVert^2$, and returns the velocity that
-# belongs to it. The part along $\mathbf{l}$, what flows out on the whole, is discarded: adding any
-# multiple of $\mathbf{l}$ to the data changes nothing. It is what the defect measures.
+# %% [markdown] answer="06.9" points=4 minutes=15 words=120
+# By (6.3) the range of $\mathbf{N}$ consists of the vectors orthogonal to $\mathbf{l}$. Least
+# squares replaces $\mathbf{v}$ by the closest of them,
+# $\mathbf{v} - \mathbf{l}\,(\mathbf{l}\cdot\mathbf{v})/\lVert\mathbf{l}\rVert^2$, and returns the
+# velocity of these data. The component along $\mathbf{l}$, which is the net outflow, is discarded.
+# The defect is the length of this component.
 #
-# *Expansion.* The velocity found is the truth at the symmedian point and not at the circumcentre:
-# the error there is $s\,\lVert\mathbf{K} - \mathbf{O}\rVert$. It is of the order of the size of the
-# cell, zero in equilateral triangles, and large in obtuse ones, whose circumcentre is far outside.
-# The velocities are still of first order. The error can be avoided, since $\mathbf{w}(\mathbf{O})$
-# of (6.8) is exact for rotations and expansions.
-#
-# *Noise.* Of three independent errors of size $\delta$ one combination, that along $\mathbf{l}$, is
-# removed and shows as a defect of the size $\delta$. The two others go into the velocity, which
-# moves by $\mathbf{N}^+$ times the errors: by about $\delta$, more in flat triangles. A single bad
-# face spoils its two cells.
-#
-# *Zero defects* show that in each cell *some* constant velocity fits its three numbers, so that the
-# data are free of divergence. They do not show that the field is constant in the cell: the strain
-# has no defect and an error of the size of the cell. Consistent is not accurate.
+# So zero defects show that in each cell *some* constant velocity fits its three numbers: the data
+# are free of divergence. They do not show that the field is constant in the cell, and hence not
+# that the velocity is accurate. The strain $(x, -y)$ has no defect, and its error is of the size of
+# the cell. Likewise noise has three components: one is discarded and shows as a defect, and two go
+# into the velocity unseen. Consistent is not accurate.
 
 # %% [markdown] rubric="06.9"
-# One point for what is discarded, the part along $\mathbf{l}$, which is the divergence. One for the
-# expansion: an error of the order of the cell, or its formula, or that it may be avoided. One for
-# noise. One for the last part, with a reason or an example: no defect does not mean no error.
+# One point for what is discarded: the component along $\mathbf{l}$, which is the net outflow or
+# divergence. One for: the defect measures this part, and nothing else. One for "no". One for a
+# reason or an example: the strain, or noise orthogonal to $\mathbf{l}$.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - *Two are one.* Evaluate (6.8) at the symmedian point $\mathbf{K}$, for random data. Compare with
-#   `cell_velocity`. To prove what you see, show that a step from side $a$ inwards by the distance
-#   $t$ changes $\mathbf{n}_a \cdot \mathbf{w}$ by the same amount for all sides. Which distances
-#   from the three sides has $\mathbf{K}$?
-# - *A triangle of lines.* In the picture with the three lines, where in the small triangle is the
-#   dot? Which theorem on sums of squared distances have you found?
-# - *Weights.* Multiply equation $a$ by the length $l_a$. Which vectors are now ignored, and where
-#   does an expansion belong?
-# - *A mistake that does no harm.* Go round the triangle, and take for each side the velocity of
-#   (6.6) at the corner where the side begins instead of that at its middle. The normal velocities
-#   are then wrong, all three. By which vector? What does that do to $\mathbf{u}$?
-# - *Strain.* For which place does the truth $(x, -y)$ have the velocity that was found? Turn the
-#   strain, and follow the place. It runs on a circle that you know from school.
-# - *Space.* A tetrahedron has four faces. Does (6.3) hold? In the proof of 06.7, which point of a
-#   face takes the part of the middle of the side?
+# - *Least squares as a point value of (6.8).* Evaluate (6.8) at the symmedian point $\mathbf{K}$
+#   for random data, and compare with `cell_velocity`. To prove what you see, show the following: a
+#   step from side $a$ inwards by the distance $t$ changes $\mathbf{n}_a \cdot \mathbf{w}$ by the
+#   same amount for all sides. Which distances from the three sides has $\mathbf{K}$?
+# - *Comparison with the vertices.* For the rotation, show that the difference between the velocity
+#   of a cell and the field at each corner is the circumradius. What does the error at the vertices
+#   measure, then?
+# - *Expansion and noise.* For an expansion the error at the circumcentre is
+#   $s\,\lVert\mathbf{K} - \mathbf{O}\rVert$. For which triangles is it zero? Noise of size $\delta$
+#   in the three data has three components. How large is the error of the velocity?
+# - *The triangle of the three lines.* Where in the small triangle of the three lines is the dot?
+#   Which theorem on sums of squared distances is this?
+# - *Weights.* Multiply equation $a$ by the length $l_a$. Which vectors are ignored now, and to
+#   which point does an expansion belong?
+# - *A wrong point that does no harm.* For each side take the velocity (6.6) at the corner where the
+#   side begins, instead of at its midpoint. All three normal velocities are then wrong. What is the
+#   error of $\mathbf{v}$, and what is the error of $\mathbf{u}$?
+# - *Strain.* At which point does the field $(x, -y)$ have the velocity of the cell? Rotate the
+#   strain and follow the point. It moves on a well-known circle of the triangle.
+# - *Tetrahedra.* A tetrahedron has four faces. Does (6.3) hold? Which point of a face replaces the
+#   midpoint of the side in the proof of 06.7?
+#
+# **Next**: notebook 07 interpolates between circumcentres, and notebook 13 moves a field along such
+# velocities.
 
 # %%
 progress()

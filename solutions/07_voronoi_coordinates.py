@@ -1,5 +1,10 @@
 # ---
 # jupyter:
+#   course:
+#     builds_on:
+#       "06": the circumcentre of a triangle
+#     pages: slides, pages 27–36 and 45
+#     chapters: [09-barycentric-coordinates, 10-voronoi-coordinates]
 #   jupytext:
 #     text_representation:
 #       extension: .py
@@ -11,19 +16,28 @@
 # ---
 
 # %% [markdown]
-# # Voronoi coordinates in a hexagon
+# # Voronoi coordinates
 #
-# A fluid solver keeps one pressure in each triangle of its mesh, at the circumcentre. A marker
-# drifts by, between the circumcentres. What is the pressure there?
+# A fluid solver stores one pressure for each triangle of its mesh, at the circumcentre of the
+# triangle. What is the pressure at a point between the circumcentres? The circumcentres around a
+# vertex are the corners of a polygon, the *Voronoi cell* of the vertex. This notebook interpolates
+# in this cell by *generalized barycentric coordinates*: weights that depend on the point, as in a
+# triangle. You will compute these weights from the triangles alone, evaluate them along a spiral,
+# and remove the division by zero on the edges of the cell.
 #
-# The circumcentres round a vertex are the corners of a polygon, the *Voronoi cell* of the vertex.
-# In this notebook you mix the values at its corners with weights that depend on the place, as the
-# three corners of a triangle are mixed by barycentric coordinates. You write these weights for any
-# cell from the triangles alone, follow them along a spiral, drag a point about to feel them, and
-# make them safe on the edge, where the formula divides by zero.
+# **Sources**: the lecture slides "Field Reconstruction" by K. Erleben, pages 27–36 and the exercise
+# on page 46; J. Warren, S. Schaefer, A. Hirani and M. Desbrun, *Barycentric coordinates for convex
+# sets* (2007). **To search for**: generalized barycentric coordinates, Wachspress coordinates (the
+# coordinates of this notebook, for any convex polygon), Delaunay triangulation and the
+# Bowyer–Watson algorithm, circumcentric dual. Two other kinds of coordinates are easily confused
+# with these: *mean value coordinates* (Floater 2003), which also exist in polygons that are not
+# convex, and *natural neighbour coordinates* (Sibson), which interpolate values at the vertices of
+# the mesh.
 #
-# Each question asks for a short function. Write it, run its cell, and run the check below it: it
-# tells whether the function is right and, if not, what kind of mistake it may be.
+# Each question with code asks for one short function. Write it, run its cell, and run the check
+# below it. The check reports whether the function is right and, if not, which kind of mistake it
+# may contain. Then `case()`, in a new cell, shows the inputs for which your function failed, your
+# values, and the right ones.
 
 # %% tags=["setup"]
 import numpy as np
@@ -34,6 +48,7 @@ from fieldcheck import (
     ORANGE,
     PURPLE,
     Slider,
+    case,
     check,
     data,
     drag,
@@ -46,10 +61,10 @@ from fieldcheck import (
 # %% [markdown]
 # ## The problem in a picture
 #
-# Six triangles round a vertex $\mathbf{x}_i$ make a hexagon. The dots are their circumcentres,
-# where a value is known; its number stands beside each. The hexagon of dots is the Voronoi cell of
-# $\mathbf{x}_i$: all places that are nearer to $\mathbf{x}_i$ than to any other vertex. What is the
-# value at the question mark?
+# Six triangles around a vertex $\mathbf{x}_i$ form a hexagon. The dots are their circumcentres,
+# where values are given; each value stands beside its dot. The polygon of the dots is the Voronoi
+# cell of $\mathbf{x}_i$: it consists of the points that are closer to $\mathbf{x}_i$ than to any
+# other vertex. What is the value at the question mark?
 
 
 # %%
@@ -81,7 +96,7 @@ def the_problem():
             ms=13,
             color=ORANGE,
             ls="none",
-            label="asked for",
+            label="wanted",
         )
         axes.set_aspect("equal")
         axes.axis("off")
@@ -92,29 +107,29 @@ def the_problem():
 # %% [markdown]
 # ## The mesh
 #
-# Let $\mathbf{x}_i$ be the vertex in the middle, and $\mathbf{x}_0, \dots, \mathbf{x}_{N-1}$ its
-# neighbours in order round it. Indices begin at zero, as in NumPy, and go round: $\mathbf{x}_N$ is
-# $\mathbf{x}_0$ again. For a regular hexagon with the radius $R$, turned by the angle $\alpha$,
+# Let $\mathbf{x}_i$ be the central vertex and $\mathbf{x}_0, \dots, \mathbf{x}_{N-1}$ its
+# neighbours, in order around it. Indices begin at zero, as in NumPy, and are cyclic: $\mathbf{x}_N$
+# is $\mathbf{x}_0$ again. A regular hexagon of radius $R$, rotated by the angle $\alpha$, has the
+# neighbours
 #
 # $$ \mathbf{x}_b = \mathbf{x}_i + R \begin{bmatrix} \cos(\alpha + b\,\pi/3) \\ \sin(\alpha +
 #    b\,\pi/3) \end{bmatrix},
 #    \qquad b = 0, \dots, 5. \tag{7.1} $$
 #
-# ### 07.1 A hexagon
+# ### 07.1 The hexagon
 #
-# Your hexagon will not be centred at the origin. Much that goes wrong in geometry goes wrong only
-# then.
+# Write a function that returns the six neighbours. The centre is not the origin in general.
 
 
-# %% question="07.1"
+# %% question="07.1" minutes=15
 def hexagon(center, radius, turn):
     """Return x_0 … x_5 of (7.1), of shape (6, 2).
 
     center (2,) is x_i, radius is R, and turn is the angle α.
     """
     # BEGIN SOLUTION
-    directions = [turn + b * np.pi / 3 for b in range(6)]
-    circle = np.array([[np.cos(way), np.sin(way)] for way in directions])
+    angles = [turn + b * np.pi / 3 for b in range(6)]
+    circle = np.array([[np.cos(angle), np.sin(angle)] for angle in angles])
     return center + radius * circle
     # END SOLUTION
 
@@ -125,28 +140,30 @@ check("07.1")
 # %% [markdown]
 # ## Circumcentres
 #
-# The triangle number $a$ has the vertices $\mathbf{x}_i$, $\mathbf{x}_a$ and $\mathbf{x}_{a+1}$.
-# Its circumcentre $\mathbf{p}_a$ is as far from one of them as from the others:
+# Triangle $a$ has the vertices $\mathbf{x}_i$, $\mathbf{x}_a$ and $\mathbf{x}_{a+1}$. Its
+# circumcentre $\mathbf{p}_a$ has the same distance from all three:
 #
 # $$ \lVert \mathbf{p}_a - \mathbf{x}_i \rVert = \lVert \mathbf{p}_a - \mathbf{x}_a \rVert
 #    = \lVert \mathbf{p}_a - \mathbf{x}_{a+1} \rVert. \tag{7.2} $$
 #
 # ### 07.2 The circumcentre of a triangle
 #
-# The equations (7.2) look quadratic, and are not: square them, expand around one corner, and
-# the square of the unknown cancels. Two linear equations are left.
+# Write a function that returns the circumcentre of a triangle. It must keep its accuracy for
+# triangles far from the origin. The equations (7.2) look quadratic, but squared and expanded around
+# one corner they are two linear equations, because the square of the unknown cancels.
 #
 # <details><summary>Hint</summary>
 #
 # With $\mathbf{q} = \mathbf{p} - \mathbf{a}$ and an edge $\mathbf{e} = \mathbf{b} - \mathbf{a}$,
 # the condition $\lVert\mathbf{q}\rVert^2 = \lVert\mathbf{q} - \mathbf{e}\rVert^2$ becomes
 # $\mathbf{e}^T\mathbf{q} = \tfrac12 \lVert\mathbf{e}\rVert^2$. Write one such equation for each of
-# two edges, and solve. What has to be done with $\mathbf{q}$ at the end?
+# two edges, and solve for $\mathbf{q}$. Differences of squares of the coordinates themselves lose
+# digits by cancellation.
 #
 # </details>
 
 
-# %% question="07.2"
+# %% question="07.2" minutes=10
 def circumcenter(a, b, c):
     """Return p of (7.2), of shape (2,), for a triangle with corners a, b, c, each (2,)."""
     # BEGIN SOLUTION
@@ -159,7 +176,7 @@ def circumcenter(a, b, c):
 check("07.2")
 
 # %% [markdown]
-# All circumcentres round a vertex, with your function:
+# The next function applies yours to all triangles around a vertex.
 
 
 # %%
@@ -170,8 +187,9 @@ def circumcenters(center, rim):
 
 
 # %% [markdown]
-# Joining the circumcentres gives the *circumcentric dual* of the mesh. Joining the centroids gives
-# another dual, which is used as well. Pull one vertex of the hexagon and watch both.
+# The polygon of the circumcentres is a cell of the *circumcentric dual* of the mesh. The polygon of
+# the centroids is a cell of the *barycentric dual*. Move one vertex of the hexagon with the slider
+# and compare the two.
 
 
 # %%
@@ -197,10 +215,10 @@ def two_duals(distance):
             closed = np.array([*dual, dual[0]])
             axes.fill(*closed.T, fc="#e8eef5", ec=BLUE, lw=2)
             axes.plot(*dual.T, "o", color=BLUE, ms=4)
-            way = dual - np.array([dual[-1], *dual[:-1]])
-            lengths = np.hypot(*way.T) * np.hypot(*rim.T)
-            off = np.degrees(np.arcsin(np.max(abs(np.einsum("bk,bk->b", way, rim)) / lengths)))
-            axes.set_title(f"{name}: off a right angle by {off:.0f}°")
+            edge = dual - np.array([dual[-1], *dual[:-1]])
+            lengths = np.hypot(*edge.T) * np.hypot(*rim.T)
+            off = np.degrees(np.arcsin(np.max(abs(np.einsum("bk,bk->b", edge, rim)) / lengths)))
+            axes.set_title(f"{name}: {90 - off:.0f}° to the mesh")
             axes.set_aspect("equal")
             axes.set(xlim=(-1.05, 2.65), ylim=(-0.95, 0.95))
             axes.axis("off")
@@ -208,26 +226,26 @@ def two_duals(distance):
 
 
 # %% [markdown]
-# **What to look at.** Each edge of the left dual stands at right angles on an edge of the mesh,
-# wherever the vertex is, and cuts it in half. On the right it does neither. Beyond the distance 2
-# two triangles are obtuse, with their circumcentres outside, and then the left dual crosses itself.
-# Question 07.10 asks why. To which distance is the mesh Delaunay?
+# **What to look at.** Each edge of the left dual is perpendicular to an edge of the mesh and
+# bisects it, wherever the vertex is. The edges of the right dual do neither. Beyond the distance 2
+# the sum of the two angles opposite to an edge exceeds 180°: the mesh is no longer a Delaunay mesh.
+# Then two circumcentres exchange their order, and the left dual intersects itself. Question 07.10
+# asks for the reason.
 #
 # ## Weights
 #
-# For a corner $\mathbf{p}_a$ of a convex polygon, where two edges with the outward unit normals
-# $\mathbf{n}_j$ and $\mathbf{n}_k$ meet, Warren and others take
+# Let the edges of a convex polygon with the outward unit normals $\mathbf{n}_j$ and $\mathbf{n}_k$
+# meet in the corner $\mathbf{p}_a$. Wachspress coordinates have the weights
 #
 # $$ w_a(\mathbf{x}) = \frac{\lvert \det(\mathbf{n}_j, \mathbf{n}_k) \rvert}
 #    {\mathbf{n}_j^T(\mathbf{p}_a - \mathbf{x}) \;\; \mathbf{n}_k^T(\mathbf{p}_a - \mathbf{x})} .
 #    \tag{7.3} $$
 #
-# Each factor of the denominator is the distance from $\mathbf{x}$ to an edge. Near the edges of a
-# corner its weight is large, elsewhere it is small: the corner draws the value at $\mathbf{x}$ to
-# its own.
+# Each factor of the denominator is the distance from $\mathbf{x}$ to an edge. So the weight of a
+# corner is large near its two edges and small elsewhere.
 #
-# In a Voronoi cell nothing of this need be computed from the polygon. Its edges are perpendicular
-# to those of the mesh, so the normals are $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$ with
+# In a Voronoi cell the mesh replaces the polygon. The edges of the cell are perpendicular to the
+# edges of the mesh, so the normals are $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$ with
 # $l_b = \lVert\mathbf{x}_b - \mathbf{x}_i\rVert$. The determinant is the sine of the angle of the
 # triangle at $\mathbf{x}_i$. With the area $A_a$ of the triangle,
 #
@@ -235,19 +253,64 @@ def two_duals(distance):
 #    A_a = \tfrac12 \lvert \det(\mathbf{x}_j - \mathbf{x}_i,\; \mathbf{x}_k - \mathbf{x}_i) \rvert ,
 #    \tag{7.4} $$
 #
-# and the lengths cancel. What is left needs no square root:
+# and the lengths cancel. The remaining formula contains no square root:
 #
 # $$ w_a(\mathbf{x}) = \frac{2 A_a}
 #    {(\mathbf{x}_j - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x}) \;\; (\mathbf{x}_k -
 #    \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})},
 #    \qquad j = a, \quad k = a + 1. \tag{7.5} $$
 #
+# Weights become coordinates when they are divided by their sum:
+#
+# $$ \omega_a(\mathbf{x}) = \frac{w_a(\mathbf{x})}{\sum_{e} w_e(\mathbf{x})} . \tag{7.6} $$
+#
+# ## A worked example
+#
+# Let $\mathbf{x}_i = (0, 0)$ have the four neighbours $(2, 0)$, $(0, 2)$, $(-2, 0)$ and $(0, -2)$.
+# Each triangle has the area 2. The circumcentres are $(1, 1)$, $(-1, 1)$, $(-1, -1)$ and $(1, -1)$,
+# so the cell is a square. For the point $\mathbf{x} = (\tfrac12, 0)$ the weights (7.5) are
+#
+# $$ w_0 = \frac{4}{1 \cdot 2} = 2, \qquad w_1 = \frac{4}{2 \cdot 3} = \tfrac23, \qquad
+#    w_2 = \frac{4}{3 \cdot 2} = \tfrac23, \qquad w_3 = \frac{4}{2 \cdot 1} = 2. $$
+#
+# For the first one, $(2, 0) \cdot (\tfrac12, 1) = 1$ and $(0, 2) \cdot (\tfrac12, 1) = 2$. The sum
+# is $\tfrac{16}{3}$, and the coordinates are $\tfrac38, \tfrac18, \tfrac18, \tfrac38$. They must
+# sum to 1, and the mean of the corners with these coordinates must be $\mathbf{x}$. The next cell
+# checks both.
+
+# %%
+square = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
+omega_by_hand = np.array([3, 1, 1, 3]) / 8
+print("sum", omega_by_hand.sum(), "and mean of the corners", omega_by_hand @ square)
+
+# %% [markdown]
+# Here is a finished function of the kind that you will write, for the cell with three corners. In a
+# triangle the two requirements, sum 1 and mean $\mathbf{x}$, are three linear equations, so they
+# determine the three coordinates. The function evaluates them for many points at once: it returns a
+# row for each point.
+
+
+# %%
+def triangle_coordinates(corners, x):
+    """Return the barycentric coordinates of points x (M, 2), of shape (M, 3).
+
+    corners (3, 2) are the corners of a triangle.
+    """
+    matrix = np.vstack([corners.T, np.ones(3)])
+    right_sides = np.vstack([x.T, np.ones(len(x))])
+    return np.linalg.solve(matrix, right_sides).T
+
+
+print(triangle_coordinates(np.array([[0, 0], [4, 0], [0, 4]]), np.array([[1, 1], [2, 2]])))
+
+# %% [markdown]
 # ### 07.3 The area of a triangle
 #
-# An area is positive, whichever way round the corners are listed.
+# Write a function that returns $A$ of (7.4). An area must be positive for both orders of the
+# corners.
 
 
-# %% question="07.3"
+# %% question="07.3" minutes=10
 def area(a, b, c):
     """Return A of (7.4), a number, for a triangle with corners a, b, c, each (2,)."""
     # BEGIN SOLUTION
@@ -261,21 +324,22 @@ check("07.3")
 # %% [markdown]
 # ### 07.4 The weights
 #
-# Now (7.5), for one place $\mathbf{x}$ and all corners $a$. The corners are handed over, so that
-# you see at a glance what else is needed. They need not be those of a hexagon: $N$ may be anything
-# from 3 on, and the neighbours may be listed either way round.
+# Write a function that returns the weights (7.5) of all corners for one point $\mathbf{x}$. The
+# corners are an argument. The number $N$ of neighbours may be any number from 3 on, and the
+# neighbours may be listed clockwise or anticlockwise. The point may lie outside the cell; some
+# weights are negative there.
 #
 # <details><summary>Hint</summary>
 #
-# A loop over $a$ with (7.5) in its body is a good answer. The neighbour after the last is the
-# first: the operator `%` helps, and so does an index of $-1$ if you look backwards instead.
+# A loop over $a$ with (7.5) in its body is a good answer. The neighbour after the last one is the
+# first one. The operator `%` gives its index, and so does the index $-1$ if you look backwards.
 #
 # </details>
 
 
-# %% question="07.4"
+# %% question="07.4" minutes=20
 def weights(center, rim, corners, x):
-    """Return w_0 … w_{N−1} of (7.5), of shape (N,), at one place x (2,).
+    """Return w_0 … w_{N−1} of (7.5), of shape (N,), at one point x (2,).
 
     center (2,) is x_i, rim (N, 2) are its neighbours x_0, x_1 … in order, and
     corners (N, 2) are the circumcentres p_0, p_1 … .
@@ -297,20 +361,17 @@ check("07.4")
 # %% [markdown]
 # ### 07.5 The coordinates
 #
-# Weights become coordinates when they are divided by their sum:
-#
-# $$ \omega_a(\mathbf{x}) = \frac{w_a(\mathbf{x})}{\sum_{e} w_e(\mathbf{x})} . \tag{7.6} $$
-#
-# Then $\sum_a \omega_a(\mathbf{x}) = 1$ at every $\mathbf{x}$. Less obvious is that also $\sum_a
-# \omega_a(\mathbf{x})\, \mathbf{p}_a = \mathbf{x}$, which is why they may be called coordinates.
-# The check tries both.
+# Write a function that returns the coordinates (7.6) of many points. They must sum to 1 for every
+# point, and $\sum_a \omega_a(\mathbf{x})\, \mathbf{p}_a = \mathbf{x}$ must hold. The first
+# requirement is called *partition of unity* and the second one *linear precision*. The check tests
+# both.
 
 
-# %% question="07.5"
+# %% question="07.5" minutes=10
 def coordinates(center, rim, corners, x):
-    """Return ω_a of (7.6) at places x (M, 2), of shape (M, N): a row for each place."""
+    """Return ω_a of (7.6) at points x (M, 2), of shape (M, N): a row for each point."""
     # BEGIN SOLUTION
-    w = [weights(center, rim, corners, place) for place in x]
+    w = [weights(center, rim, corners, point) for point in x]
     return np.array([row / row.sum() for row in w])
     # END SOLUTION
 
@@ -319,15 +380,15 @@ def coordinates(center, rim, corners, x):
 check("07.5")
 
 # %% [markdown]
-# ## Look at a coordinate
+# ## One coordinate in two cells
 #
-# One coordinate over two cells: that of your own hexagon (centre, radius and angle come from
-# `student.txt`), and that of a vertex with neighbours at random.
+# The left cell is your own hexagon, with the centre, radius and angle of your student number.
+# The right cell belongs to a vertex with random neighbours.
 
 
 # %%
 def over_the_cell(corners):
-    """Return places all over a convex cell, in rings that end just before its edge."""
+    """Return points of a convex cell, in rings that end just before its boundary."""
     sides = zip(corners, [*corners[1:], corners[0]])
     edge = np.concatenate([np.linspace(p, q, 20) for p, q in sides])
     middle = corners.mean(axis=0)
@@ -345,10 +406,10 @@ def one_coordinate(a):
         panels = page.subplots(1, 2)
         for axes, (middle, rim) in zip(panels, stars):
             corners = circumcenters(middle, rim)
-            places = over_the_cell(corners)
-            omega = coordinates(middle, rim, corners, places.reshape(-1, 2))
-            heights = omega[:, a].reshape(places.shape[:2])
-            levels = axes.contourf(*places.T, heights.T, levels=np.linspace(0, 1, 11))
+            grid = over_the_cell(corners)
+            omega = coordinates(middle, rim, corners, grid.reshape(-1, 2))
+            heights = omega[:, a].reshape(grid.shape[:2])
+            levels = axes.contourf(*grid.T, heights.T, levels=np.linspace(0, 1, 11))
             axes.plot(*np.array([*corners, corners[0]]).T, color=GREY)
             axes.plot(*corners[a], "o", color=ORANGE, ms=8)
             axes.plot(*middle, "+", color="black")
@@ -359,14 +420,14 @@ def one_coordinate(a):
 
 
 # %% [markdown]
-# **What to look at.** The coordinate is 1 at its corner, falls in a straight line along the two
-# edges there, and is 0 on all other edges. So along an edge the value is interpolated linearly
-# between the two ends. Two cells that share the edge agree on it: the field is continuous over the
-# whole mesh.
+# **What to look at.** The coordinate is 1 at its corner, is linear along the two edges of this
+# corner, and is 0 on all other edges. So the interpolated field is linear on each edge of the cell.
+# Two cells that share an edge have the same values there, and the field is continuous on the whole
+# mesh.
 #
-# ## The spiral
+# ## A spiral
 #
-# A spiral visits the cell from close to an edge to the centre. Let $\mathbf{p}_a$ and
+# A *hyperbolic spiral* runs from near an edge of the cell to its centre. Let $\mathbf{p}_a$ and
 # $\mathbf{p}_b$ be two *neighbouring* corners, and
 #
 # $$ \mathbf{s}_n = \mathbf{x}_i + \frac{r}{n} \begin{bmatrix} \cos(n\,\Delta\theta) \\
@@ -375,13 +436,14 @@ def one_coordinate(a):
 #    r = \lVert \frac{\mathbf{p}_a + \mathbf{p}_b}{2} - \mathbf{x}_i \rVert, \quad
 #    \Delta\theta = \frac{2\pi}{S} . \tag{7.7} $$
 #
-# In a regular hexagon $r$ is the distance from $\mathbf{x}_i$ to an edge of the cell, the same for
-# all edges.
+# In a regular hexagon $r$ is the distance from $\mathbf{x}_i$ to the edges of the cell.
 #
 # ### 07.6 The points of the spiral
+#
+# Write a function that returns the $S$ points of (7.7).
 
 
-# %% question="07.6"
+# %% question="07.6" minutes=20
 def spiral(center, corners, steps):
     """Return s_1 … s_S of (7.7), of shape (S, 2), with S = steps.
 
@@ -391,8 +453,8 @@ def spiral(center, corners, steps):
     r = np.linalg.norm((corners[0] + corners[1]) / 2 - center)
     s = []
     for n in range(1, steps + 1):
-        way = n * 2 * np.pi / steps
-        s.append(center + r / n * np.array([np.cos(way), np.sin(way)]))
+        angle = n * 2 * np.pi / steps
+        s.append(center + r / n * np.array([np.cos(angle), np.sin(angle)]))
     return np.array(s)
     # END SOLUTION
 
@@ -401,16 +463,18 @@ def spiral(center, corners, steps):
 check("07.6")
 
 # %% [markdown]
-# ### 07.7 The field
+# ### 07.7 The interpolated field
 #
-# At last the field: with a value $\phi_a$ at each corner,
+# With a value $\phi_a$ at each corner, the interpolated field is
 #
 # $$ f(\mathbf{x}) = \sum_a \omega_a(\mathbf{x})\, \phi_a . \tag{7.8} $$
+#
+# Write a function that evaluates it at many points.
 
 
-# %% question="07.7"
+# %% question="07.7" minutes=10
 def interpolate(center, rim, corners, values, x):
-    """Return f of (7.8) at places x (M, 2), of shape (M,), for values φ (N,)."""
+    """Return f of (7.8) at points x (M, 2), of shape (M,), for values φ (N,)."""
     # BEGIN SOLUTION
     return coordinates(center, rim, corners, x) @ values
     # END SOLUTION
@@ -435,39 +499,42 @@ def on_the_spiral(n):
     center, radius, turn = data("07.1")
     rim = hexagon(center, radius, turn)
     corners = circumcenters(center, rim)
-    places = spiral(center, corners, 50)
+    points = spiral(center, corners, 50)
     number = np.arange(1, 51)
-    with figure(7.2, 3.0) as page:
-        cell, left, right = page.subplots(1, 3, width_ratios=(1.1, 1, 1))
-        cell.fill(*corners.T, fc="#e8eef5", ec=BLUE)
-        cell.plot(*places.T, ".-", color=ORANGE, ms=4, lw=0.8)
-        cell.set(aspect="equal", title="the spiral in your cell")
+    with figure(7.6, 2.7) as page:
+        cell, inner, left, right = page.subplots(1, 4, width_ratios=(1, 0.9, 1.1, 1.1))
+        for axes in (cell, inner):
+            axes.fill(*((corners - center) / radius).T, fc="#e8eef5", ec=BLUE)
+            axes.plot(*((points - center) / radius).T, ".-", color=ORANGE, ms=4, lw=0.8)
+            axes.plot(0, 0, "+", color="black")
+            axes.set(aspect="equal", xticks=[], yticks=[])
+        inner.set(xlim=(-0.065, 0.065), ylim=(-0.065, 0.065), title="centre, 9 ×")
+        cell.set(title="your cell")
         cell.axis("off")
-        looks = ((PURPLE, "-"), (BLUE, "--"), (ORANGE, ":"))
-        for (name, field), (color, dashes) in zip(fields(n).items(), looks):
-            value = interpolate(center, rim, corners, field(corners), places)
-            left.plot(number, field(places), color="#cccccc", lw=4)
+        styles = ((PURPLE, "-"), (BLUE, "--"), (ORANGE, ":"))
+        for (name, field), (color, dashes) in zip(fields(n).items(), styles):
+            value = interpolate(center, rim, corners, field(corners), points)
+            left.plot(number, field(points), color="#cccccc", lw=4)
             left.plot(number, value, color=color, ls=dashes, label=name)
-            miss = np.maximum(abs(value - field(places)), 1e-17)
-            right.loglog(number, miss, color=color, ls=dashes, label=name)
-        left.set(xlabel="$n$", xscale="log", title="true (grey), and yours")
+            error = np.maximum(abs(value - field(points)), 1e-17)
+            right.loglog(number, error, color=color, ls=dashes, label=name)
+        left.set(xlabel="$n$", xscale="log", title="exact (grey), yours")
         right.set(xlabel="$n$", ylim=(1e-18, 1e2), title="error")
         page.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return page
 
 
 # %% [markdown]
-# **What to look at.** On the left the spiral: the first point is close to an edge, the second half
-# as far out, the last ones crowd round the centre. In the middle the values along it. On the right
-# the errors: which of the three are nothing but rounding? Where along the spiral is the third one
-# largest, and does it vanish towards the centre? You discuss this in question 07.9.
+# **What to look at.** The left panels show the spiral and, enlarged, its inner part. The panel in
+# the middle shows the values along the spiral, and the right panel shows the errors. Which of the
+# three errors consist of rounding only? Where along the spiral is the third error largest? Question
+# 07.9 asks for an explanation.
 #
 # ## Drag a point
 #
-# The dots show the six coordinates by their area, the bars by their length. The ring stands at
+# The areas of the dots and the lengths of the bars are the six coordinates. The ring is at
 # $\sum_a \omega_a \mathbf{p}_a$. Drag the point, or click on the picture and use the arrow keys
-# (*Shift* for small steps, *Home* to go back).
-
+# (*Shift* for small steps, *Home* for the initial position).
 
 # %%
 h = np.sqrt(3) / 2
@@ -484,47 +551,52 @@ def under_the_pointer(x):
 
 
 # %% [markdown]
-# **What to look at.** Drag the point to the middle of an edge, into a corner, along an edge, to the
-# centre. How many weights are left in each? The ring never leaves the point. Why must it not?
-# Corner 0 alone has a value other than zero. So the value at the point is its weight: where in the
-# cell is it a half?
+# **What to look at.** Drag the point to the midpoint of an edge, into a corner, along an edge, and
+# to the centre. How many coordinates are not zero in each position? The ring must stay at the
+# point; which requirement says so? Corner 0 has the value 1 and the others have the value 0, so the
+# value at the point is the coordinate of corner 0. At which points is it one half?
 #
-# ## On the edge
+# ## Evaluation on an edge
 #
-# On an edge (7.5) divides by zero, for both ends of the edge. Worse, *near* an edge it does not
-# complain, and is wrong: the tiny $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ is
-# what is left when nearly equal numbers are subtracted, and it is computed twice, from either end,
-# with a rounding error of its own each time.
+# On an edge, (7.5) divides by zero for both ends of the edge. *Near* an edge the result is
+# inaccurate without a warning. The small number
+# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ is a difference of nearly equal
+# numbers. It is computed twice, once from each end of the edge, with two different rounding errors.
 #
-# There is a way out. A circumcentre is as far from $\mathbf{x}_b$ as from $\mathbf{x}_i$, so
-# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x}_i) = \tfrac12 l_b^2$, and therefore
+# The remedy uses the circumcentre. It has the same distance from $\mathbf{x}_b$ and $\mathbf{x}_i$,
+# so $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x}_i) = \tfrac12 l_b^2$, and therefore
 #
 # $$ (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x}) = h_b(\mathbf{x}), \qquad
 #    h_b(\mathbf{x}) = \tfrac12 l_b^2 - (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{x} - \mathbf{x}_i) .
 #    \tag{7.9} $$
 #
-# The corner has dropped out: $h_b$ belongs to the neighbour $b$ alone, whichever end of the edge it
-# is seen from. Now multiply all weights by the product of all $h_b$, which changes no ratio. Every
-# denominator cancels:
+# The function $h_b$ depends on the neighbour $b$ only, and not on a corner. So the number is the
+# same for both ends of the edge. Now multiply all weights by the product of all $h_b$. This changes
+# no ratio of weights, and all denominators cancel:
 #
 # $$ \omega_a = \frac{c_a}{\sum_e c_e}, \qquad c_a(\mathbf{x}) = A_a \prod_{b \,\ne\, a,\; a+1}
 #    h_b(\mathbf{x}) . \tag{7.10} $$
 #
+# In the worked example $h = (1, 2, 3, 2)$, and the products are $c = (12, 4, 4, 12)$.
+#
 # ### 07.8 Coordinates without division
 #
-# Write (7.10). No circumcentre is handed over: none is needed.
+# Write a function that returns the coordinates (7.10) of many points. The circumcentres are not
+# arguments, since (7.10) does not need them.
 #
 # <details><summary>Hint</summary>
 #
-# First all $h_b$ at all places, as an array of shape $(N, M)$. Then, for one $a$ after the other,
-# leave out two of its rows (`numpy.delete`) and multiply the rest.
+# First compute all $h_b$ at all points, as an array of shape $(N, M)$. Then, for each $a$, remove
+# two of its rows (`numpy.delete`) and multiply the remaining rows.
 #
 # </details>
 
 
-# %% question="07.8"
+# %% question="07.8" minutes=25
 def safe_coordinates(center, rim, x):
-    """Return ω_a of (7.10) at places x (M, 2), of shape (M, N), on edges as well."""
+    """Return ω_a of (7.10) at points x (M, 2), of shape (M, N): inside, on edges, in corners and
+    outside, and for cells of any size.
+    """
     # BEGIN SOLUTION
     h = np.array([s @ s / 2 - (x - center) @ s for s in rim - center])
     c = np.empty(h.shape)
@@ -548,32 +620,32 @@ def towards_the_edge(along):
     corners = circumcenters(center, rim)
     on_edge = (1 - along) * corners[0] + along * corners[1]
     steps = np.logspace(-17, -0.5, 100)
-    places = on_edge + steps[:, None] * (center - on_edge)
+    points = on_edge + steps[:, None] * (center - on_edge)
     with figure(6.4, 3.1) as page, np.errstate(all="ignore"):
         axes = page.subplots()
-        ways = (
+        methods = (
             (
-                coordinates(center, rim, corners, places),
+                coordinates(center, rim, corners, points),
                 "quotients (7.5)",
                 ORANGE,
                 "o",
             ),
-            (safe_coordinates(center, rim, places), "products (7.10)", BLUE, "."),
+            (safe_coordinates(center, rim, points), "products (7.10)", BLUE, "."),
         )
-        for omega, name, color, marker in ways:
-            miss = np.linalg.norm(omega @ corners - places, axis=1) / radius
-            lost = int((~np.isfinite(miss)).sum())
-            name += f", {lost} without a value" if lost else ""
+        for omega, name, color, marker in methods:
+            error = np.linalg.norm(omega @ corners - points, axis=1) / radius
+            lost = int((~np.isfinite(error)).sum())
+            name += f", {lost} not finite" if lost else ""
             axes.loglog(
                 steps,
-                np.maximum(miss, 1e-17),
+                np.maximum(error, 1e-17),
                 marker,
                 ms=4,
                 color=color,
                 label=name,
             )
         axes.set(
-            xlabel="distance from the edge, in parts of the way to the centre",
+            xlabel="distance from the edge, relative to that of the centre",
             ylabel=r"$\Vert\sum_a \omega_a \mathbf{p}_a - \mathbf{x}\Vert \;/\; R$",
             ylim=(3e-18, 30),
         )
@@ -582,105 +654,111 @@ def towards_the_edge(along):
 
 
 # %% [markdown]
-# **What to look at.** Each time the place comes ten times as near to the edge, the quotients lose
-# another digit, and say nothing. The products are right at every distance, and on the edge too.
-# They subtract the same nearly equal numbers: why does that do no harm there?
+# **What to look at.** The points approach the edge from right to left. Each time the distance is
+# ten times smaller, the quotients lose another digit without a warning. The products are accurate
+# at every distance, and on the edge as well. They contain the same differences of nearly equal
+# numbers. Why does this do no harm in (7.10)?
 #
 # ## In words
 #
-# **07.9** Discuss your results on the spiral for $\phi_a = 1$, for $\phi_a = p_{a,1} + p_{a,2}$,
-# and for a field that is not linear. Which come back exactly, and why? What value does the field
-# approach in the centre, and how large is the error there for $\phi(\mathbf{x}) = (x_1 + x_2)^2$
-# and a hexagon of radius $R$ round the origin?
+# **07.9** Explain the three errors along the spiral: for $\phi_a = 1$, for
+# $\phi_a = p_{a,1} + p_{a,2}$, and for $(p_{a,1} + p_{a,2})^2$. Name the requirement that is
+# responsible for each field that is reproduced. For the third field state the limit of the error at
+# the centre of a hexagon of radius $R$ around the origin.
 #
 # <details><summary>Hint</summary>
 #
-# What are all coordinates at $\mathbf{x}_i$, by symmetry? The corners are at the distance
-# $R/\sqrt3$.
+# What are all coordinates at $\mathbf{x}_i$, by symmetry? The corners have the distance $R/\sqrt3$
+# from $\mathbf{x}_i$.
 #
 # </details>
 
-# %% [markdown] answer="07.9" points=4
-# The constant comes back up to rounding at all fifty points, since the coordinates have the sum
-# one: that is what (7.6) divides for. The linear field comes back up to rounding as well, because
-# $\sum_a \omega_a \mathbf{p}_a = \mathbf{x}$: for $\phi(\mathbf{x}) = c_0 + \mathbf{c}^T\mathbf{x}$
-# the sum is $c_0 \sum_a \omega_a + \mathbf{c}^T \sum_a \omega_a \mathbf{p}_a$. The exact values
-# along the spiral approach $\phi(\mathbf{x}_i)$ like $1/n$, as its points approach the centre. No
-# other field need come back. In the centre of a regular hexagon all six coordinates are $1/6$, so
-# the value is the mean of the $\phi_a$. For $(x_1+x_2)^2$ the corners at $R/\sqrt3$ have the mean
-# $R^2/3$, while the field is zero there: the error tends to $R^2/3$, grows with the square of the
-# size of the cell, and does not vanish towards the centre. It is largest there and smaller close to
-# an edge, where two neighbouring corners have nearly all the weight. All weights are positive
-# inside, so values stay between the smallest and the largest $\phi_a$: no overshoot.
+# %% [markdown] answer="07.9" points=4 minutes=15 words=120
+# The constant is reproduced up to rounding at all fifty points, since the coordinates sum to one
+# (partition of unity): (7.6) divides by the sum for this reason. The linear field is reproduced up
+# to rounding because $\sum_a \omega_a \mathbf{p}_a = \mathbf{x}$ (linear precision). For
+# $\phi(\mathbf{x}) = c_0 + \mathbf{c}^T\mathbf{x}$ the sum is
+# $c_0 \sum_a \omega_a + \mathbf{c}^T \sum_a \omega_a \mathbf{p}_a$.
+#
+# Other fields are not reproduced in general. At the centre of a regular hexagon all six coordinates
+# are $1/6$, so the value is the mean of the $\phi_a$. For $(x_1+x_2)^2$ the corners at the distance
+# $R/\sqrt3$ have the mean $R^2/3$, while the field is zero there. So the error tends to $R^2/3$; it
+# grows with the square of the size of the cell. It is largest at the centre, and smaller close to
+# an edge, where two neighbouring corners have nearly all the weight.
 
 # %% [markdown] rubric="07.9"
 # One point for the constant with partition of unity as the reason. One for the linear field with
-# linear precision as the reason. One for saying that other fields do not come back, with evidence
-# from the plot. One for the limit in the centre: the mean of the corners, error $R^2/3$.
+# linear precision as the reason. One for: other fields are not reproduced, with evidence from the
+# picture. One for the limit at the centre, $R^2/3$, as the mean of the corners.
 
 # %% [markdown]
-# **07.10** Which properties has the circumcentric dual of a Delaunay mesh: what of convexity, of
-# crossings, of angles? Which of them remain if the mesh is not Delaunay, and which has the dual of
-# the centroids? Why is your hexagon a Delaunay mesh?
+# **07.10** Which properties does the circumcentric dual of a Delaunay mesh have, and which of them
+# remain if the mesh is not a Delaunay mesh? Give a reason for each.
 #
 # <details><summary>Hint</summary>
 #
-# The dual edge that crosses the edge from $\mathbf{x}_i$ to $\mathbf{x}_b$ joins two points that
-# are each as far from $\mathbf{x}_i$ as from $\mathbf{x}_b$. Move the slider of the first
-# interactive picture beyond 2 and count the vertices inside a circumscribed circle.
+# The dual edge that crosses the edge from $\mathbf{x}_i$ to $\mathbf{x}_b$ joins two points, and
+# each of them has the same distance from $\mathbf{x}_i$ and from $\mathbf{x}_b$. Move the slider of
+# the picture with two duals beyond 2, and count the vertices inside a circumscribed circle.
 #
 # </details>
 
-# %% [markdown] answer="07.10" points=3
+# %% [markdown] answer="07.10" points=3 minutes=10 words=100
 # Dual edges are perpendicular to the edges of the mesh, in every mesh: both ends lie on the
-# bisector of the edge. In a Delaunay mesh no vertex is inside the circumscribed circle of a
-# triangle, so no vertex is nearer to $\mathbf{p}_a$ than $\mathbf{x}_i$ is. Then the circumcentres
-# round an inner vertex are the corners of its Voronoi cell, an intersection of half-planes: the
-# dual cells are convex, and they do not cross. Without Delaunay right angles remain, but two
-# circumcentres exchange their order along a bisector, and the dual crosses itself; in the picture
-# from the distance 2 on, where the opposite angles of an edge sum to more than 180°. A circumcentre
-# outside its triangle alone does no harm. The dual of centroids does not cross itself, but loses
-# the right angles, and its edges no longer bisect those of the mesh. The hexagon is Delaunay: its
-# triangles are equilateral, their circles have the radius $R/\sqrt3$ and contain no other vertex;
-# the opposite angles of each inner edge sum to 120°.
+# perpendicular bisector of the edge. In a Delaunay mesh no vertex is inside the circumscribed
+# circle of a triangle, so no vertex is closer to $\mathbf{p}_a$ than $\mathbf{x}_i$. Then the
+# circumcentres around an inner vertex are the corners of its Voronoi cell, an intersection of
+# half-planes. So the dual cells are convex, and they do not intersect each other or themselves.
+#
+# Without the Delaunay property the right angles remain. But two circumcentres exchange their order
+# along a bisector, and the dual intersects itself. In the picture this happens beyond the distance
+# 2, where the two angles opposite to an edge sum to more than 180°. A circumcentre outside its
+# triangle alone does no harm.
 
 # %% [markdown] rubric="07.10"
-# One point for the right angles, with the bisector as the reason, in any mesh. One for convex cells
-# that do not cross in a Delaunay mesh only; naming the Voronoi cell suffices. One for the centroids
-# and for a reason why the hexagon is Delaunay.
+# One point for the right angles in any mesh, with the bisector as the reason. One for convex cells
+# without intersections in a Delaunay mesh, with empty circles or the Voronoi cell as the reason.
+# One for: both are lost in other meshes, with a reason or the picture.
 
 # %% [markdown]
-# **07.11** Derive (7.5) from (7.3) in your own words: which property of the dual enters where, and
-# what becomes of the lengths $l_j$ and $l_k$? What would go wrong without the absolute value in
-# (7.4)?
+# **07.11** Derive (7.5) from (7.3). Say which property of the dual is used at each step, and why
+# the lengths $l_j$ and $l_k$ cancel.
 
-# %% [markdown] answer="07.11" points=3
-# Dual and primal edges are perpendicular, so the outward normals of the cell at $\mathbf{p}_a$ are
-# the unit vectors along the two spokes, $\mathbf{n}_j = (\mathbf{x}_j - \mathbf{x}_i)/l_j$ and
-# $\mathbf{n}_k = (\mathbf{x}_k - \mathbf{x}_i)/l_k$. Their determinant is that of the spokes
-# divided by $l_j l_k$, and the determinant of the spokes is twice the area of the triangle, up to
-# sign. Each factor of the denominator of (7.3) has one length below it, so the denominator is the
-# product of $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ divided by the same $l_j
-# l_k$. It cancels. Without the absolute value a triangle listed clockwise has a negative weight. If
-# all are listed the same way round, the sum changes sign as well and the coordinates survive; if
-# some are not, as in most meshes, they are wrong without warning.
+# %% [markdown] answer="07.11" points=3 minutes=10 words=80 optional
+# Edges of the dual and of the mesh are perpendicular. So the outward normals of the cell at
+# $\mathbf{p}_a$ are the unit vectors along the two edges of the mesh,
+# $\mathbf{n}_j = (\mathbf{x}_j - \mathbf{x}_i)/l_j$ and
+# $\mathbf{n}_k = (\mathbf{x}_k - \mathbf{x}_i)/l_k$. Their determinant is the determinant of
+# $\mathbf{x}_j - \mathbf{x}_i$ and $\mathbf{x}_k - \mathbf{x}_i$, divided by $l_j l_k$. The
+# determinant of these two vectors is twice the area of the triangle, up to its sign, which the
+# absolute value removes. Each factor of the denominator of (7.3) is
+# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ divided by $l_b$. So numerator and
+# denominator are both divided by $l_j l_k$, which cancels.
 
 # %% [markdown] rubric="07.11"
-# One point for the normals along the spokes by orthogonality. One for the determinant as twice the
-# area and the lengths that cancel. One for mixed orientations that give negative weights.
+# One point for the normals along the edges of the mesh, by orthogonality. One for the determinant
+# as twice the area. One for the factor $1/(l_j l_k)$ in the numerator and in the denominator.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - Turn a hexagon so that a spoke has the angle $\Delta\theta = 7.2°$. The first point of the
-#   spiral is then on an edge. What do `coordinates` and `safe_coordinates` say there?
-# - Leave the cell. Some coordinates become negative, yet linear fields still come back. Somewhere
-#   outside the sum of all $c_a$ vanishes: where, for a square cell, and where for another
-#   quadrilateral?
-# - What is the gradient of $f$? Differentiate (7.10) with $\nabla h_b = -(\mathbf{x}_b -
-#   \mathbf{x}_i)$, and check it with differences.
-# - Six points on a circle round $\mathbf{p}_a$ make several triangles with one circumcentre. What
-#   does (7.10) give there? Which sum of coordinates has a meaning?
+# - Rotate a hexagon so that an edge of the mesh has the angle $\Delta\theta = 7.2°$. The first
+#   point of the spiral is then on an edge of the cell. What do `coordinates` and `safe_coordinates`
+#   return there?
+# - Why is a hexagon of six equilateral triangles a Delaunay mesh? Which properties does the
+#   barycentric dual have?
+# - Leave out the absolute value of (7.4). What happens if some triangles are listed clockwise and
+#   others are not?
+# - Evaluate the coordinates outside the cell. Some are negative, but linear fields must still be
+#   reproduced. At some points outside, the sum of all $c_a$ vanishes. Where are they for a square
+#   cell, and where for another quadrilateral?
+# - What is the gradient of $f$? Differentiate (7.10) with
+#   $\nabla h_b = -(\mathbf{x}_b - \mathbf{x}_i)$, and check the result by difference quotients.
+# - Six points on a circle around $\mathbf{p}_a$ form several triangles with the same circumcentre.
+#   What does (7.10) give there? Which sum of coordinates is well defined?
+#
+# **Next**: notebook 08 does the same in space, and notebook 13 needs interpolation at departure
+# points.
 
 # %%
 progress()

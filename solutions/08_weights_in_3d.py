@@ -1,5 +1,10 @@
 # ---
 # jupyter:
+#   course:
+#     builds_on:
+#       "07": the weights and the coordinates in the plane
+#     pages: slides, pages 37 and 46
+#     chapters: [10-voronoi-coordinates]
 #   jupytext:
 #     text_representation:
 #       extension: .py
@@ -11,16 +16,22 @@
 # ---
 
 # %% [markdown]
-# # The weights in three dimensions
+# # Voronoi weights in three dimensions
 #
-# In a mesh of tetrahedra the pressures are kept at circumcentres too, and those round a vertex are
-# the corners of a polyhedron. The weights that mix their values look like those of the plane, with
-# a six for the two and a volume for the area. Why? This notebook is a proof in four steps, and the
-# same formulas as code: what you have proved you then measure, and what you measure helps where the
-# proof is stuck.
+# In a mesh of tetrahedra a solver stores its pressures at circumcentres too. The circumcentres
+# around a vertex are the corners of a polyhedron, the Voronoi cell of the vertex. The weights that
+# interpolate in this cell look like those of the plane, with $6V$ in place of $2A$. This notebook
+# proves this in four steps and tests every step by a computation.
 #
-# Three of the questions ask for functions of a line or two, three for a little more, and four for
-# words. Formulas that you need from the plane are repeated.
+# **Sources**: the lecture slides "Field Reconstruction" by K. Erleben, pages 27–37 and 46; J.
+# Warren, S. Schaefer, A. Hirani and M. Desbrun, *Barycentric coordinates for convex sets* (2007);
+# T. Ju and others, *A geometric construction of coordinates for convex polyhedra using polar duals*
+# (2005). **To search for**: Wachspress coordinates of polyhedra, simple polytope, Voronoi cell,
+# polar dual, sliver.
+#
+# Each question asks for a short function with a check below it, or for a proof in words. After a
+# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
+# your values, and the right ones.
 
 # %% tags=["setup"]
 import numpy as np
@@ -31,6 +42,7 @@ from fieldcheck import (
     ORANGE,
     PURPLE,
     Slider,
+    case,
     check,
     data,
     draw,
@@ -42,9 +54,10 @@ from fieldcheck import (
 # %% [markdown]
 # ## The problem in a picture
 #
-# Twenty tetrahedra meet in a vertex; their outer faces form an icosahedron (grey). Their
-# circumcentres (dots) are the corners of the Voronoi cell of the vertex, a dodecahedron: one face
-# for each neighbour, one corner for each tetrahedron, and three faces at each corner. Turn it.
+# Twenty tetrahedra meet in a vertex, and their outer faces form an icosahedron (grey). Their
+# circumcentres (dots) are the corners of the Voronoi cell of the vertex, a dodecahedron. It has one
+# face for each neighbour and one corner for each tetrahedron, and three faces meet in each corner.
+# Rotate it with the slider.
 
 
 # %%
@@ -59,10 +72,10 @@ def icosahedron():
     return ring / np.hypot(1, golden), np.array(faces)
 
 
-def seen_from(places, angle):
-    """Return where places (M, 3), turned by degrees, appear on paper, and how near."""
+def projection(points, angle):
+    """Return the picture of points (M, 3) rotated by an angle in degrees: across, up, depth."""
     t, tilt = np.radians(angle), np.radians(20)
-    turned = places @ [
+    turned = points @ [
         [np.cos(t), np.sin(t), 0],
         [-np.sin(t), np.cos(t), 0],
         [0, 0, 1],
@@ -75,9 +88,9 @@ def seen_from(places, angle):
     )
 
 
-def draw_edges(axes, places, pairs, angle, color):
-    """Draw lines between pairs of places, fainter where they are far."""
-    across, up, depth = seen_from(places, angle)
+def draw_edges(axes, points, pairs, angle, color):
+    """Draw lines between pairs of points, fainter at the back."""
+    across, up, depth = projection(points, angle)
     near = (depth - depth.min()) / np.ptp(depth)
     for i, j in pairs:
         strength = 0.15 + 0.85 * min(1, (near[i] + near[j]) / 2 + 0.1)
@@ -85,12 +98,12 @@ def draw_edges(axes, places, pairs, angle, color):
 
 
 def sharing(cells):
-    """Return pairs of cells with a common face: between their corners runs an edge."""
+    """Return pairs of cells with a common face; their circumcentres are joined by an edge."""
     common = (cells[:, None, :, None] == cells[:, None]).sum(axis=(2, 3))
     return np.argwhere(np.triu(common == 2))
 
 
-@draw(angle=Slider(0, 180, 25, "turned by", steps=36))
+@draw(angle=Slider(0, 180, 25, "rotation", steps=36))
 def the_problem(angle):
     tips, cells = icosahedron()
     outward = tips[cells].mean(axis=1)
@@ -100,7 +113,7 @@ def the_problem(angle):
         sides = np.unique(np.vstack([cells[:, :2], cells[:, 1:], cells[:, ::2]]), axis=0)
         draw_edges(axes, tips, sides, angle, GREY)
         draw_edges(axes, dots, sharing(cells), angle, BLUE)
-        across, up, _ = seen_from(dots, angle)
+        across, up, _ = projection(dots, angle)
         axes.plot(
             across,
             up,
@@ -109,7 +122,7 @@ def the_problem(angle):
             ms=4,
             label="circumcentres, on the Voronoi cell",
         )
-        axes.plot(*seen_from(tips, angle)[:2], "o", color=GREY, ms=4, label="neighbours")
+        axes.plot(*projection(tips, angle)[:2], "o", color=GREY, ms=4, label="neighbours")
         axes.plot(0, 0, "o", color=ORANGE, label=r"the vertex $\mathbf{x}_i$")
         axes.set_aspect("equal")
         axes.axis("off")
@@ -118,40 +131,81 @@ def the_problem(angle):
 
 
 # %% [markdown]
-# ## What is to be proved
+# ## The claim
 #
-# At a corner $\mathbf{p}_a$ of a polyhedron let three faces meet, with the outward unit normals
-# $\mathbf{n}_b$, $b \in \mathcal{N}_a = \{j, k, m\}$. Its weight at a place $\mathbf{x}$ is
+# Let three faces of a polyhedron meet in the corner $\mathbf{p}_a$, with the outward unit normals
+# $\mathbf{n}_b$, $b \in \mathcal{N}_a = \{j, k, m\}$. The weight of this corner at a point
+# $\mathbf{x}$ is
 #
 # $$ w_a(\mathbf{x}) = \frac{\operatorname{vol}(\mathcal{N}_a)}{\prod_{b \in \mathcal{N}_a}
 #    \mathbf{n}_b^T (\mathbf{p}_a - \mathbf{x})},
 #    \qquad \operatorname{vol}(\mathcal{N}_a) = \lvert \det(\mathbf{n}_j, \mathbf{n}_k,
 #    \mathbf{n}_m) \rvert . \tag{8.1} $$
 #
-# Let the polyhedron be the Voronoi cell of a vertex $\mathbf{x}_i$ of a Delaunay mesh. The
-# tetrahedron number $a$ has the vertices $\mathbf{x}_i, \mathbf{x}_j, \mathbf{x}_k, \mathbf{x}_m$,
-# the volume $V_a$ and the circumcentre $\mathbf{p}_a$. The claim is
+# Now let the polyhedron be the Voronoi cell of a vertex $\mathbf{x}_i$ of a Delaunay mesh.
+# Tetrahedron $a$ has the vertices $\mathbf{x}_i, \mathbf{x}_j, \mathbf{x}_k, \mathbf{x}_m$, the
+# volume $V_a$ and the circumcentre $\mathbf{p}_a$. The claim is
 #
 # $$ w_a(\mathbf{x}) = \frac{6 V_a}{\prod_{b \in \{j,k,m\}} (\mathbf{x}_b - \mathbf{x}_i)^T
 #    (\mathbf{p}_a - \mathbf{x})} . \tag{8.2} $$
 #
-# ## Tetrahedra
+# ## Volume and circumcentre of a tetrahedron
 #
-# With $\mathbf{e}_1, \mathbf{e}_2, \mathbf{e}_3$ the edges from one corner of a tetrahedron to the
-# three others, the volume and the circumcentre are
+# Let $\mathbf{e}_1, \mathbf{e}_2, \mathbf{e}_3$ be the edges from the corner $\mathbf{a}$ of a
+# tetrahedron to the other three corners. Its volume and its circumcentre $\mathbf{p}$ satisfy
 #
 # $$ V = \tfrac16 \lvert \det(\mathbf{e}_1, \mathbf{e}_2, \mathbf{e}_3) \rvert, \tag{8.3} $$
 #
 # $$ \mathbf{e}_r^T (\mathbf{p} - \mathbf{a}) = \tfrac12 \lVert \mathbf{e}_r \rVert^2, \qquad r = 1,
-#    2, 3, \tag{8.4} $$
+#    2, 3. \tag{8.4} $$
 #
-# where $\mathbf{a}$ is that corner. The second says that $\mathbf{p}$ is as far from $\mathbf{a}$
-# as from the other end of each edge.
+# Equation $r$ of (8.4) says that $\mathbf{p}$ has the same distance from $\mathbf{a}$ and from the
+# other end of $\mathbf{e}_r$.
 #
+# ## A worked example
+#
+# Take $\mathbf{x}_i = (0, 0, 0)$ with the neighbours $(2, 0, 0)$, $(0, 2, 0)$, $(0, 0, 2)$ and
+# their opposites. The eight tetrahedra have the volume $V = \tfrac86 = \tfrac43$. For the first
+# one, (8.4) is $2 p_1 = 2 p_2 = 2 p_3 = 2$, so its circumcentre is $(1, 1, 1)$, and the cell is the
+# cube $[-1, 1]^3$.
+#
+# At $\mathbf{x} = (\tfrac12, 0, 0)$ the factors of (8.2) for the corner $(1, 1, 1)$ are
+# $2 \cdot \tfrac12 = 1$, $2$ and $2$, so its weight is $8/4 = 2$. For the corner $(-1, 1, 1)$ they
+# are $(-2) \cdot (-\tfrac32) = 3$, $2$ and $2$, so its weight is $8/12 = \tfrac23$. Four corners
+# have the weight 2 and four have $\tfrac23$, with the sum $\tfrac{32}{3}$. The coordinates, weight
+# by sum, are $\tfrac{3}{16}$ and $\tfrac{1}{16}$. The next cell checks that the mean of the corners
+# with these coordinates is $\mathbf{x}$.
+
+# %%
+cube = np.array([(x, y, z) for x in (1, -1) for y in (1, -1) for z in (1, -1)])
+omega_by_hand = np.where(cube[:, 0] > 0, 3, 1) / 16
+print("sum", omega_by_hand.sum(), "and mean of the corners", omega_by_hand @ cube)
+
+# %% [markdown]
+# Here is a finished function of the kind that you will write. It subtracts the first corner before
+# it multiplies, so that it keeps its accuracy far from the origin, and it works for both orders of
+# the corners.
+
+
+# %%
+def edge_lengths(center, neighbors):
+    """Return l_b = |x_b - x_i| for all neighbours, of shape (N,).
+
+    center (3,) is x_i, and neighbors (N, 3) are all x_b.
+    """
+    return np.linalg.norm(neighbors - center, axis=1)
+
+
+print(edge_lengths(np.array([1, 1, 1]), np.array([[3, 1, 1], [1, 4, 5]])))
+
+# %% [markdown]
 # ### 08.1 The volume
+#
+# Write a function that returns $V$ of (8.3). A volume must be positive for every order of the
+# corners.
 
 
-# %% question="08.1"
+# %% question="08.1" minutes=15
 def volume(a, b, c, d):
     """Return V of (8.3), a number, for corners a, b, c, d, each of shape (3,)."""
     # BEGIN SOLUTION
@@ -164,9 +218,19 @@ check("08.1")
 
 # %% [markdown]
 # ### 08.2 The circumcentre
+#
+# Write a function that returns $\mathbf{p}$ of (8.4). It must keep its accuracy for tetrahedra far
+# from the origin.
+#
+# <details><summary>Hint</summary>
+#
+# The unknown of (8.4) is $\mathbf{p} - \mathbf{a}$. Differences of squares of the coordinates
+# themselves lose digits by cancellation.
+#
+# </details>
 
 
-# %% question="08.2"
+# %% question="08.2" minutes=5
 def circumcenter(a, b, c, d):
     """Return p of (8.4), of shape (3,), for corners a, b, c, d, each of shape (3,)."""
     # BEGIN SOLUTION
@@ -181,13 +245,13 @@ check("08.2")
 # %% [markdown]
 # ## Step 1: the normals
 #
-# **08.3** What stands for (A) to (G)? The face $b$ of the Voronoi cell separates the places nearer
-# to $\mathbf{x}_i$ from those nearer to **(A)**. So all its points $\mathbf{y}$ have
-# $\lVert\mathbf{y} - \mathbf{x}_i\rVert =$ **(B)**. Squared and expanded, this says
-# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) =$ **(C)**, a plane perpendicular
-# to **(D)** through the point **(E)**. With $l_b = \lVert \mathbf{x}_b - \mathbf{x}_i \rVert$
-# the *outward unit* normal is therefore $\mathbf{n}_b =$ **(F)**. It points outwards
-# because **(G)**.
+# **08.3** Complete the derivation: what stands for (A) to (G)? Face $b$ of the Voronoi cell
+# separates the points closer to $\mathbf{x}_i$ from the points closer to **(A)**. So all its points
+# $\mathbf{y}$ satisfy $\lVert\mathbf{y} - \mathbf{x}_i\rVert =$ **(B)**. Squared and expanded, this
+# is $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) =$ **(C)**. This is a plane
+# perpendicular to **(D)** through the point **(E)**. With
+# $l_b = \lVert \mathbf{x}_b - \mathbf{x}_i \rVert$ the *outward unit* normal is therefore
+# $\mathbf{n}_b =$ **(F)**. It points outwards because **(G)**.
 #
 # <details><summary>Hint</summary>
 #
@@ -196,14 +260,15 @@ check("08.2")
 #
 # </details>
 
-# %% [markdown] answer="08.3" points=2
-# (A) $\mathbf{x}_b$, (B) $\lVert\mathbf{y} - \mathbf{x}_b\rVert$. With $\mathbf{y} - \mathbf{x}_b =
-# (\mathbf{y} - \mathbf{x}_i) - (\mathbf{x}_b - \mathbf{x}_i)$ the squares of $\mathbf{y} -
-# \mathbf{x}_i$ cancel, and $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) = \tfrac12
-# l_b^2$ is left, so (C) $\tfrac12 l_b^2$: a plane perpendicular to (D) the edge from $\mathbf{x}_i$
-# to $\mathbf{x}_b$ through (E) its midpoint. (F) $\mathbf{n}_b = (\mathbf{x}_b -
-# \mathbf{x}_i)/l_b$, and it points outwards because (G) inside the cell, at $\mathbf{x}_i$ for
-# instance, the left side is less than $\tfrac12 l_b^2$.
+# %% [markdown] answer="08.3" points=2 minutes=5 words=30
+# (A) $\mathbf{x}_b$, (B) $\lVert\mathbf{y} - \mathbf{x}_b\rVert$. With
+# $\mathbf{y} - \mathbf{x}_b = (\mathbf{y} - \mathbf{x}_i) - (\mathbf{x}_b - \mathbf{x}_i)$ the
+# squares of $\mathbf{y} - \mathbf{x}_i$ cancel. The remaining equation is
+# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) = \tfrac12 l_b^2$, so (C)
+# $\tfrac12 l_b^2$. This is a plane perpendicular to (D) the edge from $\mathbf{x}_i$ to
+# $\mathbf{x}_b$ through (E) its midpoint. (F) $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$.
+# It points outwards because (G) inside the cell, at $\mathbf{x}_i$ for instance, the left side is
+# less than $\tfrac12 l_b^2$.
 
 # %% [markdown] rubric="08.3"
 # One point for the plane, from equal distances to $\mathbf{x}_i$ and $\mathbf{x}_b$. One for the
@@ -212,20 +277,20 @@ check("08.2")
 # %% [markdown]
 # ## Step 2: the volume of the normals
 #
-# ### 08.4 Their determinant
+# ### 08.4 The determinant of the normals
 #
-# Compute $\operatorname{vol}(\mathcal{N}_a)$ as (8.1) defines it, from the normals of step 1, for
-# one tetrahedron.
+# Write a function that computes $\operatorname{vol}(\mathcal{N}_a)$ from its definition (8.1), with
+# the normals of step 1, for one tetrahedron.
 
 
-# %% question="08.4"
+# %% question="08.4" minutes=10
 def volume_of_normals(center, tips):
     """Return vol(N_a) of (8.1), a number.
 
     center (3,) is x_i, and the rows of tips (3, 3) are x_j, x_k, x_m.
     """
     # BEGIN SOLUTION
-    normals = [spoke / np.linalg.norm(spoke) for spoke in tips - center]
+    normals = [edge / np.linalg.norm(edge) for edge in tips - center]
     return abs(np.linalg.det(normals))
     # END SOLUTION
 
@@ -234,9 +299,9 @@ def volume_of_normals(center, tips):
 check("08.4")
 
 # %% [markdown]
-# Now the conjecture, measured on your own tetrahedra and on others: does
-# $\operatorname{vol}(\mathcal{N}_a)$ equal $6V_a/(l_j\, l_k\, l_m)$, and what if other powers of
-# the lengths stand below?
+# The next picture tests the conjecture that $\operatorname{vol}(\mathcal{N}_a)$ equals
+# $6V_a/(l_j\, l_k\, l_m)$, for your own tetrahedra and for random ones. The slider changes the
+# power of the lengths.
 
 
 # %%
@@ -270,28 +335,28 @@ def conjecture(power):
 
 
 # %% [markdown]
-# **08.5** Prove it: $\operatorname{vol}(\mathcal{N}_a) = 6 V_a / (l_j\, l_k\, l_m)$. Say which rule
-# for determinants you use, and what the six counts.
+# **08.5** Prove that $\operatorname{vol}(\mathcal{N}_a) = 6 V_a / (l_j\, l_k\, l_m)$. State which
+# rule for determinants you use, and where the factor 6 comes from.
 #
 # <details><summary>Hint</summary>
 #
-# What happens to a determinant if one row is divided by a number? And how many tetrahedra make the
-# parallelepiped over three edges?
+# What happens to a determinant if one row is divided by a number? How many tetrahedra of equal
+# volume fill the parallelepiped of three edges?
 #
 # </details>
 
-# %% [markdown] answer="08.5" points=3
+# %% [markdown] answer="08.5" points=3 minutes=10 words=60
 # By step 1 the rows of the determinant are $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$. A
 # determinant is linear in each row, so each length can be taken out:
 #
 # $$ \det(\mathbf{n}_j, \mathbf{n}_k, \mathbf{n}_m) = \frac{\det(\mathbf{x}_j - \mathbf{x}_i,
 #    \mathbf{x}_k - \mathbf{x}_i, \mathbf{x}_m - \mathbf{x}_i)}{l_j l_k l_m} . $$
 #
-# Lengths are positive, so this holds for the absolute values. The determinant on the right is, up
-# to its sign, the volume of the parallelepiped over the three edges at $\mathbf{x}_i$. That
-# consists of $3! = 6$ tetrahedra of equal volume, one for each order of the three edges; or: a
-# tetrahedron is a third of base times height, and its base is half of a parallelogram. So the
-# absolute value is $6V_a$.
+# Lengths are positive, so this holds for the absolute values. The absolute value of the determinant
+# on the right is the volume of the parallelepiped of the three edges at $\mathbf{x}_i$. The
+# parallelepiped consists of $3! = 6$ tetrahedra of equal volume, one for each order of the three
+# edges. (Or: the volume of a tetrahedron is a third of base times height, and its base is half a
+# parallelogram.) So the absolute value is $6V_a$.
 
 # %% [markdown] rubric="08.5"
 # One point for taking one length out of each row. One for the determinant of the edges as the
@@ -300,36 +365,35 @@ def conjecture(power):
 # %% [markdown]
 # ## Step 3: the lengths cancel
 #
-# **08.6** Put steps 1 and 2 into (8.1) and arrive at (8.2). How many factors $l_b$ stand below the
-# line, how many above, and why the same ones? Which of your steps would change in two dimensions,
-# and which in $D$?
+# **08.6** Substitute steps 1 and 2 into (8.1) and derive (8.2). Explain why the same lengths appear
+# in the numerator and in the denominator.
 
-# %% [markdown] answer="08.6" points=3
-# By step 1 each factor below is $\mathbf{n}_b^T(\mathbf{p}_a - \mathbf{x}) = (\mathbf{x}_b -
-# \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})/l_b$. There is one for each of the three faces that
-# meet in $\mathbf{p}_a$, and these belong to the three neighbours $j, k, m$ that form the
-# tetrahedron $a$ with $\mathbf{x}_i$; so the denominator of (8.1) is $\prod_b (\mathbf{x}_b -
-# \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ divided by $l_j l_k l_m$. By step 2 the numerator is
-# $6V_a$ divided by the same product. It cancels, and (8.2) is left. In $D$ dimensions $D$ faces
-# meet in a corner, $D$ lengths leave the determinant, and $D!$ simplices make the parallelepiped:
-# $w_a = D!\,V_a/\prod_b (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$, with $2A_a$ in
-# the plane. Nothing else changes.
+# %% [markdown] answer="08.6" points=3 minutes=10 words=50
+# By step 1 each factor of the denominator is
+# $\mathbf{n}_b^T(\mathbf{p}_a - \mathbf{x}) = (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a -
+# \mathbf{x})/l_b$.
+# There is one factor for each of the three faces that meet in $\mathbf{p}_a$. These faces belong to
+# the three neighbours $j, k, m$ that form tetrahedron $a$ with $\mathbf{x}_i$, since $\mathbf{p}_a$
+# has the same distance from these four vertices. So the denominator of (8.1) is
+# $\prod_b (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ divided by $l_j l_k l_m$. By
+# step 2 the numerator is $6V_a$ divided by the same product. It cancels, and (8.2) remains.
 
 # %% [markdown] rubric="08.6"
-# One point for each factor with its $1/l_b$. One for the cancellation, with the reason that the
-# three faces at the corner belong to the three other vertices of the tetrahedron. One for $D!$, or
-# $2A$ and $6V$ with the reason.
+# One point for each factor with its $1/l_b$. One for the reason: the three faces at the corner
+# belong to the three other vertices of the tetrahedron. One for the cancellation of $l_j l_k l_m$.
 
 # %% [markdown]
 # ### 08.7 The weights
 #
-# Write (8.2). The mesh is given as it usually is: an array of neighbours, and for each tetrahedron
-# the three numbers of those that it has besides $\mathbf{x}_i$, in any order.
+# Write a function that returns the weights (8.2) of all corners for one point. The mesh is given in
+# the usual form: an array of neighbours and, for each tetrahedron, the three indices of its
+# vertices other than $\mathbf{x}_i$, in any order. The point may lie outside the cell; some weights
+# are negative there.
 
 
-# %% question="08.7"
+# %% question="08.7" minutes=15
 def weights(center, neighbors, cells, corners, x):
-    """Return w_a of (8.2) for all T tetrahedra, of shape (T,), at one place x (3,).
+    """Return w_a of (8.2) for all T tetrahedra, of shape (T,), at one point x (3,).
 
     center (3,) is x_i, neighbors (N, 3) are all x_b, a row of cells (T, 3) holds the
     numbers j, k, m of a tetrahedron, and corners (T, 3) are the circumcentres p_a.
@@ -337,9 +401,9 @@ def weights(center, neighbors, cells, corners, x):
     # BEGIN SOLUTION
     w = np.empty(len(cells))
     for a, cell in enumerate(cells):
-        spokes = neighbors[cell] - center
-        below = np.prod(spokes @ (corners[a] - x))
-        w[a] = 6 * volume(center, *neighbors[cell]) / below
+        edges = neighbors[cell] - center
+        denominator = np.prod(edges @ (corners[a] - x))
+        w[a] = 6 * volume(center, *neighbors[cell]) / denominator
     return w
     # END SOLUTION
 
@@ -349,12 +413,12 @@ check("08.7")
 
 
 # %% [markdown]
-# ## Look at it
+# ## A test of linear precision
 #
-# Linear precision is what makes weights coordinates: $\sum_a \omega_a \mathbf{p}_a = \mathbf{x}$
-# with $\omega_a = w_a / \sum_e w_e$. The chart shows how far the sum is from the place, at its
-# worst over forty places in three cells: for your weights, for the same without the volumes, and
-# for the same with the sign of the determinant left in.
+# Weights give coordinates only if $\sum_a \omega_a \mathbf{p}_a = \mathbf{x}$ with
+# $\omega_a = w_a / \sum_e w_e$. This requirement is called *linear precision*. The next picture
+# shows its largest violation at forty points in three cells: for your weights, for weights without
+# the volumes, and for weights with the sign of the determinant.
 
 
 # %%
@@ -380,46 +444,53 @@ def linear_precision():
         corners = circumcenters(center, neighbors, cells)
         signs = np.sign([np.linalg.det(neighbors[cell] - center) for cell in cells])
         sizes = np.array([volume(center, *(neighbors[int(b)] for b in cell)) for cell in cells])
-        misses = []
+        errors = []
         for mix in random.dirichlet(np.ones(len(cells)), 40):
-            place = mix @ corners
-            w = weights(center, neighbors, cells, corners, place)
-            ways = (w, w / sizes, w * signs)
-            misses.append([np.linalg.norm(v @ corners / v.sum() - place) for v in ways])
-        worst.append(np.maximum(np.max(misses, axis=0), 1e-17))
+            point = mix @ corners
+            w = weights(center, neighbors, cells, corners, point)
+            variants = (w, w / sizes, w * signs)
+            errors.append([np.linalg.norm(v @ corners / v.sum() - point) for v in variants])
+        worst.append(np.maximum(np.max(errors, axis=0), 1e-17))
     with figure(6.4, 2.9) as page:
         axes = page.subplots()
-        names = ("yours", "volumes left out", "signs left in")
-        looks = zip(names, (BLUE, ORANGE, PURPLE), np.transpose(worst), (-0.12, 0, 0.12))
-        for name, color, misses, aside in looks:
-            axes.plot(np.arange(3) + aside, misses, "o", color=color, ms=8, label=name)
+        names = ("yours", "without volumes", "with signs")
+        styles = zip(names, (BLUE, ORANGE, PURPLE), np.transpose(worst), (-0.12, 0, 0.12))
+        for name, color, errors, aside in styles:
+            axes.plot(np.arange(3) + aside, errors, "o", color=color, ms=8, label=name)
         axes.set_yscale("log")
         axes.set_xticks(range(3), list(stars))
-        axes.set(ylim=(1e-17, 1e3), xlim=(-0.5, 2.5), ylabel="largest miss")
+        axes.set(ylim=(1e-17, 1e3), xlim=(-0.5, 2.5), ylabel="largest error")
         axes.grid(axis="y", alpha=0.3)
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
 
 
 # %% [markdown]
-# **What to look at.** Yours is right to rounding in all three. In the octahedron all volumes are
-# equal, so that leaving them out does no harm there: a regular example proves little. The
-# tetrahedra are listed in no particular orientation, so the signs do harm everywhere.
+# **What to look at.** Your weights are accurate to rounding in all three cells. In the octahedron
+# all volumes are equal, so weights without volumes are right there as well: a regular example
+# proves little. The tetrahedra have no common orientation, so weights with a sign are wrong in all
+# three cells.
 #
-# ## Step 4: no circumcentre
+# ## Step 4: no circumcentres
 #
-# The factors below (8.2) do not need the circumcentre:
+# The factors of (8.2) can be computed without the circumcentre:
 #
 # $$ (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x}) = h_b(\mathbf{x}), \qquad
 #    h_b(\mathbf{x}) = \tfrac12 l_b^2 - (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{x} - \mathbf{x}_i) .
 #    \tag{8.5} $$
 #
+# In the worked example $h_b = 2 - (\mathbf{x}_b)^T\mathbf{x}$ is 1 for the neighbour $(2, 0, 0)$, 3
+# for $(-2, 0, 0)$, and 2 for the others.
+#
 # ### 08.8 The heights
+#
+# Write a function that returns $h_b$ for all neighbours and many points. Divided by $l_b$, it is
+# the height of the point above face $b$.
 
 
-# %% question="08.8"
+# %% question="08.8" minutes=10
 def heights(center, neighbors, x):
-    """Return h_b of (8.5) at places x (M, 3), of shape (N, M): a row for each neighbour."""
+    """Return h_b of (8.5) at points x (M, 3), of shape (N, M): a row for each neighbour."""
     # BEGIN SOLUTION
     return np.array([s @ s / 2 - (x - center) @ s for s in neighbors - center])
     # END SOLUTION
@@ -429,9 +500,9 @@ def heights(center, neighbors, x):
 check("08.8")
 
 # %% [markdown]
-# A place moves along a line from inside your cell to the corner 0 and beyond. The line in the
-# picture is your $h_b$; the marks are the left side of (8.5), computed from each corner of the face
-# $b$ in turn. Which of the neighbours have $h_b = 0$ at the corner 0?
+# The next picture follows a point along a line from inside your cell through corner 0 to the
+# outside. The line is your $h_b$. The markers are the left side of (8.5), computed from each corner
+# of face $b$ in turn. Which neighbours have $h_b = 0$ at corner 0?
 
 
 # %%
@@ -454,7 +525,7 @@ def from_every_corner(b):
         axes.axvline(1, color=GREY, lw=0.8, ls=":")
         axes.set_xticks([-0.5, 0, 0.5, 1])
         axes.set(
-            xlabel="place: vertex at 0, corner 0 at 1",
+            xlabel="position: vertex at 0, corner 0 at 1",
             ylabel=f"$h_{b}$ on the line",
         )
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
@@ -462,9 +533,8 @@ def from_every_corner(b):
 
 
 # %% [markdown]
-# **08.9** Prove (8.5) for every place $\mathbf{x}$ and every corner $a$ of the face $b$. What
-# follows for meshes with slivers, tetrahedra so flat that their circumcentres are known to no
-# digit? And what do the weights say on a face, where (8.2) divides by zero?
+# **08.9** Prove (8.5) for every point $\mathbf{x}$ and every corner $a$ of face $b$. Add one
+# consequence for *slivers*: tetrahedra so flat that rounding errors spoil their circumcentres.
 #
 # <details><summary>Hint</summary>
 #
@@ -473,34 +543,43 @@ def from_every_corner(b):
 #
 # </details>
 
-# %% [markdown] answer="08.9" points=3
-# The circumcentre is as far from $\mathbf{x}_b$ as from $\mathbf{x}_i$: $\lVert\mathbf{p}_a -
-# \mathbf{x}_i\rVert^2 = \lVert(\mathbf{p}_a - \mathbf{x}_i) - (\mathbf{x}_b -
-# \mathbf{x}_i)\rVert^2$. Expanded, this is $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a -
-# \mathbf{x}_i) = \tfrac12 l_b^2$. Subtract $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{x} -
-# \mathbf{x}_i)$ from both sides. The right side knows nothing of $a$: $h_b$ is the same seen from
-# every corner of the face. So circumcentres need not be computed at all, and a sliver, whose
-# circumcentre is badly determined, does no harm: its volume, which is small, is all that enters.
-# Since each $h_b$ is one number, all weights can be multiplied by the product of all heights, which
-# leaves $V_a$ times the heights of the *other* faces. On a face $b$ all corners off it then have
-# the weight zero, and the others positive ones, without any division by zero.
+# %% [markdown] answer="08.9" points=3 minutes=10 words=60
+# The circumcentre has the same distance from $\mathbf{x}_b$ and $\mathbf{x}_i$:
+# $\lVert\mathbf{p}_a - \mathbf{x}_i\rVert^2 = \lVert(\mathbf{p}_a - \mathbf{x}_i) - (\mathbf{x}_b -
+# \mathbf{x}_i)\rVert^2$.
+# Expanded, this is $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x}_i) = \tfrac12 l_b^2$.
+# Subtract $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{x} - \mathbf{x}_i)$ from both sides to obtain
+# (8.5). The right side does not depend on $a$: $h_b$ is the same number from every corner of the
+# face.
+#
+# So circumcentres need not be computed. A sliver, whose circumcentre is badly determined, does no
+# harm: only its volume enters, which is small. (Another consequence: all weights can be multiplied
+# by the product of all heights, so no division by zero remains on faces.)
 
 # %% [markdown] rubric="08.9"
-# One point for the equation of equal distances at $\mathbf{x}_i$. One for the general place. One
-# for a consequence: no circumcentre for slivers, or no division on faces.
+# One point for the equation of equal distances, $\mathbf{x} = \mathbf{x}_i$. One for the general
+# point. One for the consequence: no circumcentre is needed.
 
 # %% [markdown]
 # ### 08.10 Coordinates without division
 #
-# Multiply all weights (8.2) by the product of all heights. What is left is
+# Multiply all weights (8.2) by the product of all heights. The ratios do not change, and all
+# denominators cancel:
 #
 # $$ \omega_a = \frac{c_a}{\sum_e c_e}, \qquad c_a(\mathbf{x}) = V_a \prod_{b \,\notin\, \{j, k,
 #    m\}} h_b(\mathbf{x}) . \tag{8.6} $$
+#
+# Write a function that returns these coordinates for many points. In the worked example
+# $c = \tfrac43 \cdot 3 \cdot 2 \cdot 2 = 16$ for four corners and
+# $\tfrac43 \cdot 1 \cdot 2 \cdot 2 = \tfrac{16}{3}$ for the other four.
 
 
-# %% question="08.10"
+# %% question="08.10" minutes=15
 def coordinates(center, neighbors, cells, x):
-    """Return ω_a of (8.6) at places x (M, 3), of shape (M, T): a row for each place."""
+    """Return ω_a of (8.6) at points x (M, 3), of shape (M, T): a row for each point.
+
+    The points may lie inside, on faces, in corners and outside, and the cell may have any size.
+    """
     # BEGIN SOLUTION
     h = heights(center, neighbors, x)
     c = np.empty((len(cells), len(x)))
@@ -515,55 +594,63 @@ def coordinates(center, neighbors, cells, x):
 check("08.10")
 
 # %% [markdown]
-# ## A point in your cell
+# ## The coordinates of a moving point
 #
-# Your own Voronoi cell. The point walks along a line from one corner through the middle to the face
-# across; the dots show the coordinates by their area.
+# The picture shows your own Voronoi cell. The orange point moves along a line from one corner
+# through the centre to the opposite face. The areas of the blue dots are the coordinates, and the
+# purple ring is at $\sum_a \omega_a \mathbf{p}_a$.
 
 
 # %%
 @draw(
-    along=Slider(0, 1, 0.3, "on its way", steps=20),
-    angle=Slider(0, 180, 30, "turned by", steps=36),
+    along=Slider(0, 1, 0.3, "position", steps=20),
+    angle=Slider(0, 180, 30, "rotation", steps=36),
 )
 def walk(along, angle):
     center, neighbors, cells, corners, _ = data("08.7")
     reach = heights(center, neighbors, np.array([center, 2 * center - corners[0]]))
     slope = (reach[:, 0] - reach[:, 1]) / reach[:, 0]
     far = center - (corners[0] - center) / slope.max()
-    place = (1 - along) * corners[0] + along * far
-    (omega,) = coordinates(center, neighbors, cells, place[None])
-    with figure(5.6, 3.8) as page:
+    point = (1 - along) * corners[0] + along * far
+    (omega,) = coordinates(center, neighbors, cells, point[None])
+    with figure(6.4, 3.8) as page:
         axes = page.subplots()
         draw_edges(axes, corners - center, sharing(cells), angle, GREY)
-        across, up, _ = seen_from(corners - center, angle)
+        across, up, _ = projection(corners - center, angle)
         axes.scatter(across, up, s=900 * np.clip(omega, 0, 1), color=BLUE, alpha=0.75, lw=0)
-        (right,), (height,), _ = seen_from((place - center)[None], angle)
-        axes.plot(right, height, "o", color=ORANGE, ms=8)
-        (right,), (height,), _ = seen_from((omega @ corners - center)[None], angle)
-        axes.plot(right, height, "o", mfc="none", color=PURPLE, ms=14, mew=1.5)
+        axes.plot([], [], "o", color=BLUE, alpha=0.75, label="coordinate (area)")
+        (right,), (height,), _ = projection((point - center)[None], angle)
+        axes.plot(right, height, "o", color=ORANGE, ms=8, label=r"$\mathbf{x}$")
+        (right,), (height,), _ = projection((omega @ corners - center)[None], angle)
+        ring = dict(mfc="none", color=PURPLE, ms=14, mew=1.5, ls="none")
+        axes.plot(right, height, "o", label=r"$\sum_a \omega_a \mathbf{p}_a$", **ring)
         extremes = f"largest {omega.max():.2f}, smallest {omega.min():.2f}"
         axes.set_title(extremes.replace("-0.00", "0.00"))
         axes.set_aspect("equal")
         axes.axis("off")
+        axes.legend(loc="center left", bbox_to_anchor=(1, 0.5), labelspacing=1.2)
     return page
 
 
 # %% [markdown]
-# **What to look at.** At the start one corner has all the weight; at the end, on a face, only the
-# corners of that face have any. The ring is $\sum_a \omega_a \mathbf{p}_a$: by linear precision it
-# stays round the point.
+# **What to look at.** At the start one corner has the coordinate 1. At the end, on a face, only the
+# corners of this face have coordinates other than zero. By linear precision the ring must stay
+# around the point.
 #
 # ## Dig deeper
 #
 # - Prove linear precision, $\sum_a w_a(\mathbf{x})(\mathbf{p}_a - \mathbf{x}) = \mathbf{0}$. Hint:
 #   the points $\mathbf{n}_b / (\mathbf{n}_b^T(\mathbf{p}_a - \mathbf{x}))$ are the corners of a
-#   closed polyhedron with one triangle for each $a$, perpendicular to $\mathbf{p}_a - \mathbf{x}$;
-#   and over a closed surface the areas times normals sum to zero.
-# - A vertex on the boundary of the mesh has no closed cell. Leave one tetrahedron out. Do the
-#   weights still sum to one? Does a linear field still come back?
-# - Cut a cube into six tetrahedra round a diagonal. Circumcentres coincide. Which sums of
-#   coordinates have a meaning, and which known formula are they?
+#   closed polyhedron, the *polar dual*. It has one triangle for each $a$, perpendicular to
+#   $\mathbf{p}_a - \mathbf{x}$. Over a closed surface the normals times the areas sum to zero.
+# - Which steps of the proof change in two dimensions, and which in $D$ dimensions? What replaces 6?
+# - A vertex on the boundary of the mesh has no closed cell. Leave out one tetrahedron. Must the
+#   coordinates still sum to one? Is a linear field still reproduced?
+# - Divide a cube into six tetrahedra around a diagonal. All circumcentres coincide. Which sums of
+#   coordinates are well defined, and which known formula do they give?
+#
+# **Next**: notebook 13 interpolates a field at departure points; notebook 14 treats meshes with
+# errors.
 
 # %%
 progress()

@@ -1,5 +1,10 @@
 # ---
 # jupyter:
+#   course:
+#     builds_on:
+#       "03": radial basis functions with a linear polynomial, and the saddle-point system
+#     pages: book, pages 11–16; appendix, section 2
+#     chapters: [21-kernels, 22-other-data]
 #   jupytext:
 #     text_representation:
 #       extension: .py
@@ -13,19 +18,25 @@
 # %% [markdown]
 # # Kernels and their orders
 #
-# A field that goes through scattered values can be made of bumps, one on each point, and a
-# polynomial. Which bumps may be used? With which polynomials, at which points, in how many
-# variables? There is an answer to each of the four, and in this notebook you see every one of them
-# fail where its premise does.
+# A field through scattered values can be a sum of *radial basis functions*, one centred at each
+# point, and a polynomial. Which functions are allowed? Which polynomials do they need, at which
+# points, and in how many variables? Each of these questions has an answer, and this notebook shows
+# what happens when the condition of the answer is violated.
 #
-# You find out which polynomials a kernel needs, when points determine a polynomial, and how far a
-# bump of finite width may be trusted. You let two points change places, which shows why nobody can
-# choose the functions before the points are known. At the end slopes are data too.
+# **Sources**: H. Wendland, *Scattered Data Approximation* (2005), chapters 8 (conditionally
+# positive definite functions) and 9 (compactly supported functions), and chapter 1, pages 1–16; C.
+# Micchelli, *Interpolation of scattered data* (1986); J. Mairhuber (1956) and P. Curtis (1959).
+# **To search for**: conditionally positive definite, polyharmonic spline, thin-plate spline,
+# unisolvent, saddle-point system, Wendland function, Mairhuber–Curtis theorem, Hermite–Birkhoff
+# interpolation, cross-validation.
 #
-# Each question asks for a function. Write it, run its cell, and run the check below it.
+# Each question asks for a short function with a check below it, or for an answer in words. After a
+# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
+# your values, and the right ones.
 
 # %% tags=["setup"]
 import numpy as np
+from matplotlib.cbook import get_sample_data
 
 from fieldcheck import (
     BLUE,
@@ -34,6 +45,7 @@ from fieldcheck import (
     ORANGE,
     PURPLE,
     Slider,
+    case,
     check,
     data,
     draw,
@@ -45,17 +57,20 @@ from fieldcheck import (
 # %% [markdown]
 # ## The kernels
 #
-# Let $\mathbf{p}_1, \dots, \mathbf{p}_N$ be distinct points with the values $v_1, \dots, v_N$.
-# A *kernel* $\varphi$ is a function of the distance alone. Most of this notebook is about one
-# family, in which $k = 1, 2, 3, \dots$ is a power:
+# Let $\mathbf{p}_1, \dots, \mathbf{p}_N$ be distinct points with the values $v_1, \dots, v_N$. A
+# *kernel* $\varphi$ is a function of the distance. Most of this notebook is about the *polyharmonic
+# splines*, a family with one member for each power $k = 1, 2, 3, \dots$:
 #
 # $$ \varphi_k(r) = \begin{cases} (-1)^{(k+1)/2}\; r^k & \text{for odd } k, \\
 #    (-1)^{k/2+1}\; r^k \log r & \text{for even } k, \end{cases} \qquad \varphi_k(0) = 0. \tag{9.1}
 #    $$
 #
 # So $\varphi_1 = -r$, $\varphi_2 = r^2\log r$ (the thin-plate spline), $\varphi_3 = r^3$,
-# $\varphi_4 = -r^4\log r$, $\varphi_5 = -r^5$. You will see what the signs are for. The next cell
-# has them, and the distances of two sets of points; use both in your answers.
+# $\varphi_4 = -r^4\log r$, $\varphi_5 = -r^5$. The signs make the quadratic form (9.5) positive.
+#
+# The next cell has two finished functions: the kernels, and the distances between two sets of
+# points. Use both in your answers. They also show the style of this notebook: a docstring with the
+# shapes, whole arrays, and no loop over points.
 
 
 # %% tags=["setup"]
@@ -74,24 +89,27 @@ def distances(x, points):
 # %% [markdown]
 # ## The problem in a picture
 #
-# Three points are the corners of an equilateral triangle, with the values 1, 0, 0. Can three bumps
-# alone, without a polynomial, go through them? The picture cuts the field along the height of the
-# triangle. Move the side towards 1.
+# Three points are the corners of an equilateral triangle, with the values 1, 0, 0. Can a sum of
+# three kernels, without a polynomial, interpolate these values? The picture shows the field along
+# the height of the triangle. Move the side of the triangle towards 1.
 
 
 # %%
 @draw(side=Slider(0.8, 1.2, 1.02, "side", steps=39))
-def three_bumps(side):
+def kernels_alone(side):
     sites = side * np.array([[0, 0], [np.sqrt(3) / 2, 0.5], [np.sqrt(3) / 2, -0.5]])
     values = np.array([1.0, 0.0, 0.0])
-    factors = np.linalg.solve(kernel(distances(sites, sites), 2), values)
+    coefficients = np.linalg.solve(kernel(distances(sites, sites), 2), values)
     along = np.linspace(-0.5, 1.8, 300)
     line = np.stack([along, 0 * along], axis=1)
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
         axes.axhline(0, color=GREY, lw=0.8)
         axes.plot(
-            along, kernel(distances(line, sites), 2) @ factors, color=ORANGE, label="bumps alone"
+            along,
+            kernel(distances(line, sites), 2) @ coefficients,
+            color=ORANGE,
+            label="kernels alone",
         )
         axes.plot(along, 1 - along / sites[1, 0], color=BLUE, label="a plane")
         axes.plot([0, sites[1, 0]], [1, 0], "o", color="black", label="values 1 and 0")
@@ -103,13 +121,13 @@ def three_bumps(side):
 
 
 # %% [markdown]
-# **What to look at.** The points are as harmless as points can be, and three values demand no more
-# than a plane. The bumps go through them with enormous factors, and for the side 1 not at all:
-# there $r^2 \log r = 0$ for all three distances, and the matrix is zero. A kernel that is fine at
-# almost all points is of little use. We want one that cannot fail.
+# **What to look at.** The points are in the best possible position, and a plane interpolates the
+# values. The kernels alone need enormous coefficients, and for the side 1 there is no solution.
+# There $r^2 \log r = 0$ for all distances, so the matrix is zero. We need a condition under which
+# the matrix is regular for all distinct points.
 
 # %% [markdown]
-# ## Bumps and a polynomial
+# ## Kernels plus a polynomial
 #
 # Let $\pi_1, \dots, \pi_Q$ be a basis of the polynomials of degree at most $n$. The field is
 #
@@ -118,34 +136,60 @@ def three_bumps(side):
 #    \sum_{j=1}^N \lambda_j\, \pi_l(\mathbf{p}_j) = 0 \quad \text{for } l = 1, \dots, Q. \tag{9.2}
 #    $$
 #
-# The sums on the right are the *side conditions*. With $A_{ij} = \varphi(\lVert\mathbf{p}_i -
-# \mathbf{p}_j\rVert)$ and $P_{il} = \pi_l(\mathbf{p}_i)$, a matrix with a row for each point and a
-# column for each polynomial, the unknowns solve
+# The equations on the right are the *side conditions*. Let
+# $A_{ij} = \varphi(\lVert\mathbf{p}_i - \mathbf{p}_j\rVert)$ and $P_{il} = \pi_l(\mathbf{p}_i)$.
+# The matrix $\mathbf{P}$ has a row for each point and a column for each polynomial. The unknowns
+# solve the *saddle-point system*
 #
 # $$ \begin{bmatrix} \mathbf{A} & \mathbf{P} \\ \mathbf{P}^T & \mathbf{0} \end{bmatrix}
 #    \begin{bmatrix} \boldsymbol{\lambda} \\ \mathbf{c} \end{bmatrix} =
 #    \begin{bmatrix} \mathbf{v} \\ \mathbf{0} \end{bmatrix} . \tag{9.3} $$
 #
-# A system of this form is called a *saddle-point system*. In the plane take the monomials for a
-# basis,
+# ## A worked example
+#
+# Two points $(0, 0)$ and $(2, 0)$ have the values 1 and 3. Take $\varphi_1 = -r$ and the constant,
+# $n = 0$. The side condition is $\lambda_1 + \lambda_2 = 0$, and the system is
+#
+# $$ \begin{bmatrix} 0 & -2 & 1 \\ -2 & 0 & 1 \\ 1 & 1 & 0 \end{bmatrix}
+#    \begin{bmatrix} \lambda_1 \\ \lambda_2 \\ c \end{bmatrix} =
+#    \begin{bmatrix} 1 \\ 3 \\ 0 \end{bmatrix}, \qquad
+#    \lambda_1 = -\tfrac12, \quad \lambda_2 = \tfrac12, \quad c = 2 . $$
+#
+# The sum of the first two equations is $-2(\lambda_1 + \lambda_2) + 2c = 4$, so $c = 2$; then
+# $-2 \lambda_2 = -1$. The field is
+# $f(\mathbf{x}) = \tfrac12 \lVert\mathbf{x} - \mathbf{p}_1\rVert - \tfrac12 \lVert\mathbf{x} -
+# \mathbf{p}_2\rVert + 2$.
+# It has the values 1 and 3 at the points and 2 halfway between them. The next cell checks this.
+
+# %%
+two = np.array([[0.0, 0.0], [2.0, 0.0]])
+halfway = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
+print(kernel(distances(halfway, two), 1) @ [-0.5, 0.5] + 2)
+
+# %% [markdown]
+# ## Polynomials in two variables
+#
+# In the plane we take the monomials as basis,
 #
 # $$ x_1^a\, x_2^b, \qquad a, b \geq 0, \quad a + b \leq n, \qquad Q = \tfrac12 (n+1)(n+2).
 #    \tag{9.4} $$
 #
+# For the degree 2 and the point $(2, 3)$ they are $1, 2, 3, 4, 6, 9$.
+#
 # ### 09.1 The monomials
 #
-# Write $\mathbf{P}$. The order of the columns is yours. The degree $-1$ stands for no polynomial at
-# all: then the matrix has $N$ rows and no column.
+# Write a function that returns $\mathbf{P}$. You may choose the order of the columns. The degree
+# $-1$ means no polynomial: then the matrix has $N$ rows and no column.
 #
 # <details><summary>Hint</summary>
 #
-# First make a list of the pairs $(a, b)$. If $a$ is given, how far does $b$ go? What has the shape
-# $(N, 0)$ is an array as well: `np.zeros((5, 0))` is one.
+# First make a list of the pairs $(a, b)$. For a given $a$, which is the largest $b$? An array may
+# have the shape $(N, 0)$: `np.zeros((5, 0))` is one.
 #
 # </details>
 
 
-# %% question="09.1"
+# %% question="09.1" minutes=20
 def monomials(points, degree):
     """Return P of shape (N, Q), with the columns (9.4), for points (N, 2), degree -1, 0, 1, …"""
     # BEGIN SOLUTION
@@ -160,46 +204,53 @@ def monomials(points, degree):
 check("09.1")
 
 # %% [markdown]
-# ## Order
+# ## Order of a kernel
 #
-# A kernel is *conditionally positive definite of order $m$* if for all distinct points, and all
-# $\boldsymbol{\lambda} \neq \mathbf{0}$ that satisfy the side conditions for the polynomials of
-# degree **less than** $m$,
+# A kernel is *conditionally positive definite of order $m$* if
 #
 # $$ \boldsymbol{\lambda}^T \mathbf{A} \boldsymbol{\lambda} =
-#    \sum_{i,j} \lambda_i \lambda_j\, \varphi(\lVert\mathbf{p}_i - \mathbf{p}_j\rVert) > 0 .
+#    \sum_{i,j} \lambda_i \lambda_j\, \varphi(\lVert\mathbf{p}_i - \mathbf{p}_j\rVert) > 0
 #    \tag{9.5} $$
 #
-# Order zero has no side conditions: $\mathbf{A}$ itself is positive definite. An example is the
-# Gaussian, $\varphi(r) = e^{-r^2}$. For order one the $\lambda_j$ sum to zero, for order two they
-# do so when weighted by the coordinates as well.
+# for all distinct points and all $\boldsymbol{\lambda} \neq \mathbf{0}$ that satisfy the side
+# conditions for the polynomials of degree **less than** $m$. Order zero has no side conditions:
+# $\mathbf{A}$ itself is positive definite, as for the Gaussian $\varphi(r) = e^{-r^2}$. For order
+# one the $\lambda_j$ sum to zero. For order two the sums $\sum_j \lambda_j \mathbf{p}_j$ vanish as
+# well.
 #
-# How does one test (9.5) for given points? The vectors with $\mathbf{P}^T\boldsymbol{\lambda} =
-# \mathbf{0}$ are a subspace. Let the columns of $\mathbf{Z}$ be an orthonormal basis of it. Then
+# *Example.* The points $(0, 0)$, $(3, 0)$ and $(0, 4)$ have the distances 3, 4 and 5. With
+# $\varphi_1 = -r$ the form is $-6\lambda_1\lambda_2 - 8\lambda_1\lambda_3 - 10\lambda_2\lambda_3$.
+# For $\boldsymbol{\lambda} = (1, 1, 1)$ it is $-24$. For $(1, -1, 0)$, $(1, 0, -1)$ and
+# $(0, 1, -1)$, whose entries sum to zero, it is 6, 8 and 10.
+#
+# To test (9.5) for given points we need the vectors with
+# $\mathbf{P}^T\boldsymbol{\lambda} = \mathbf{0}$. They form a subspace, the null space of
+# $\mathbf{P}^T$. Let the columns of $\mathbf{Z}$ be an orthonormal basis of this space. Then
 # $\boldsymbol{\lambda} = \mathbf{Z}\mathbf{t}$, and
 #
 # $$ \min_{\substack{\mathbf{P}^T\boldsymbol{\lambda} = \mathbf{0} \\
 #    \lVert\boldsymbol{\lambda}\rVert = 1}}
 #    \boldsymbol{\lambda}^T \mathbf{A} \boldsymbol{\lambda} =
-#    \text{least eigenvalue of } \mathbf{Z}^T \mathbf{A} \mathbf{Z} . \tag{9.6} $$
+#    \text{smallest eigenvalue of } \mathbf{Z}^T \mathbf{A} \mathbf{Z} . \tag{9.6} $$
 #
-# ### 09.2 The least eigenvalue
+# ### 09.2 The smallest eigenvalue
 #
-# Write (9.6) for any symmetric $\mathbf{A}$ and any $\mathbf{P}$. Two things may happen:
-# $\mathbf{P}$ may have no columns, and its columns may depend on each other.
+# Write a function that returns (9.6) for any symmetric $\mathbf{A}$ and any $\mathbf{P}$. There are
+# two special cases: $\mathbf{P}$ may have no columns, and its columns may be linearly dependent.
+# Singular values of $\mathbf{P}$ below $10^{-10}$ times the largest one count as zero.
 #
 # <details><summary>Hint</summary>
 #
 # The full singular value decomposition $\mathbf{P} = \mathbf{U}\mathbf{S}\mathbf{V}^T$ has a square
-# $\mathbf{U}$. Which of its columns are orthogonal to all columns of $\mathbf{P}$? How many of them
-# there are depends on the rank of $\mathbf{P}$, which may be less than $Q$; `np.linalg.matrix_rank`
-# takes a relative tolerance `rtol`. For $Q = 0$ the rank is zero; some versions of NumPy refuse to
-# compute it.
+# $\mathbf{U}$. Which of its columns are orthogonal to all columns of $\mathbf{P}$? Their number
+# depends on the rank of $\mathbf{P}$, which may be less than $Q$. The function
+# `np.linalg.matrix_rank` has a relative tolerance `rtol`. For $Q = 0$ the rank is zero, but some
+# versions of NumPy cannot compute it.
 #
 # </details>
 
 
-# %% question="09.2"
+# %% question="09.2" minutes=20
 def least_eigenvalue(a, p):
     """Return the number (9.6) for A of shape (N, N) and P of shape (N, Q) and rank < N."""
     # BEGIN SOLUTION
@@ -237,7 +288,7 @@ def both_sides(k):
         axes.set_yscale("symlog", linthresh=1e-3)
         axes.set(
             xlabel="degree of the polynomials in the side conditions",
-            ylabel="least eigenvalue",
+            ylabel="smallest eigenvalue",
             xlim=(-1.3, 3.7),
             ylim=(-3e4, 3e3),
             xticks=degrees,
@@ -249,46 +300,55 @@ def both_sides(k):
 
 
 # %% [markdown]
-# **What to look at.** For each $k$ there is a degree from which on the least eigenvalue is
-# positive, and it is not a close thing: one degree less, and it is far below zero. What is that
-# degree for $k = 1, \dots, 5$? The order is one more. Once the form is positive, more side
-# conditions keep it so: a higher degree than needed does no harm.
+# **What to look at.** For each $k$ there is a degree from which on the smallest eigenvalue is
+# positive. With one degree less it is far below zero. What is this degree for $k = 1, \dots, 5$?
+# The order is this degree plus one. More side conditions keep a positive form positive, so a higher
+# degree than necessary is allowed.
 #
 # The rule is
 #
 # $$ \text{order of } \varphi_k = \lfloor k/2 \rfloor + 1 , \tag{9.7} $$
 #
-# in any number of variables. That it is true for all points is a theorem of Micchelli; you have
-# tried fourteen.
+# in any number of variables. Micchelli (1986) proved it for all sets of distinct points; the
+# picture shows one set of fourteen points.
 
 # %% [markdown]
-# ## Which points?
+# ## Unisolvent points
 #
-# Let the order be right. The system (9.3) has exactly one solution if, besides, no polynomial of
-# degree at most $n$ vanishes at all points, except zero. Such points are called *unisolvent* for
-# the degree $n$: they tell polynomials apart. For $n = 1$ that means: not all on one line. What
-# does it mean for $n = 2$?
+# Let the degree match the order. Then (9.3) has exactly one solution if the points are *unisolvent*
+# for the degree $n$. This means: the only polynomial of degree at most $n$ that vanishes at all
+# points is zero. For $n = 1$ the points must not all lie on one line. What is the condition for
+# $n = 2$?
 #
-# ### 09.3 Polynomials that vanish
+# ### 09.3 Polynomials that vanish at the points
 #
 # A polynomial with the coefficients $\mathbf{c}$ has the values $\mathbf{P}\mathbf{c}$ at the
-# points. Count how many linearly independent polynomials of degree at most $n$ vanish at all of
-# them. Zero means: unisolvent.
+# points. Write a function that returns the number of linearly independent polynomials of degree at
+# most $n$ that vanish at all points. For unisolvent points this number is zero.
+#
+# The number does not depend on the origin of the coordinates or on the unit of length, but the
+# rounding errors do. In a small box $x_1^2$ is tiny compared to the monomial 1. Far from the origin
+# the columns of $\mathbf{P}$ are nearly multiples of each other. So first shift the points to the
+# mean zero, and divide them by their size, such as the largest coordinate. Then count the singular
+# values of $\mathbf{P}$ below $10^{-10}$ times the largest one as zero.
 #
 # <details><summary>Hint</summary>
 #
-# The vectors with $\mathbf{P}\mathbf{c} = \mathbf{0}$ are a subspace. Its dimension, the rank of
-# $\mathbf{P}$, and the number of columns of $\mathbf{P}$ have something to do with each other. In a
-# small box monomials are small numbers, so a tolerance has to be relative.
+# The solutions of $\mathbf{P}\mathbf{c} = \mathbf{0}$ form a subspace. How is its dimension related
+# to the rank of $\mathbf{P}$ and to the number of its columns? (Search for: rank–nullity theorem.)
 #
 # </details>
 
 
-# %% question="09.3"
+# %% question="09.3" minutes=15
 def vanishing(points, degree):
-    """Return how many independent polynomials up to a degree vanish at points (N, 2)."""
+    """Return how many independent polynomials up to a degree vanish at points (N, 2).
+
+    At least two of the points are different.
+    """
     # BEGIN SOLUTION
-    p = monomials(points, degree)
+    z = points - points.mean(axis=0)
+    p = monomials(z / np.ptp(z), degree)
     return p.shape[1] - np.linalg.matrix_rank(p, rtol=1e-10)
     # END SOLUTION
 
@@ -325,36 +385,36 @@ def six_points(out):
         singular = np.linalg.svd(p)[1][-1]
         axes.set(xlabel="$x_1$", ylabel="$x_2$", aspect="equal", xlim=(-2, 2), ylim=(-1.3, 1.3))
         axes.set_title(
-            f"vanishing polynomials: {int(vanishing(sites, 2))}; least singular value "
+            f"vanishing polynomials: {int(vanishing(sites, 2))}; smallest singular value "
             f"{singular:.1e}"
         )
     return page
 
 
 # %% [markdown]
-# **What to look at.** Six points, and six monomials of degree at most two. The line is where the
-# quadratic polynomial is zero that is smallest at the points, among those with
-# $\lVert\mathbf{c}\rVert = 1$. If the six lie on one ellipse, it vanishes at all of them, and
-# quadratics cannot be told apart. Move the orange point off: now they can. So the points on the
-# line of notebook 03 return one degree higher as points on a *conic*: an ellipse, a hyperbola, a
-# parabola, or two lines.
+# **What to look at.** There are six points and six monomials of degree at most two. Among all
+# quadratic polynomials with $\lVert\mathbf{c}\rVert = 1$ one has the smallest values at the six
+# points. The orange curve is its zero set, and the grey shades are its absolute value. If the six
+# points lie on an ellipse, this polynomial vanishes at all of them, and the points are not
+# unisolvent. Move the orange point away from the ellipse: now they are. In notebook 03 the
+# exceptional points lay on a line. Here, one degree higher, they lie on a *conic*: an ellipse, a
+# hyperbola, a parabola, or two lines.
 
 # %% [markdown]
-# ### 09.4 The field
+# ### 09.4 The interpolating field
 #
-# Now put it together: solve (9.3) and evaluate (9.2) at places $\mathbf{x}$. The power $k$ and the
-# degree $n$ are free; with $n = -1$ there are bumps only.
+# Write a function that solves (9.3) and evaluates (9.2) at the points $\mathbf{x}$. The power $k$
+# and the degree $n$ are arguments. For $n = -1$ there is no polynomial.
 #
 # <details><summary>Hint</summary>
 #
-# How many zeros stand on the right side of (9.3)? The number of columns of $\mathbf{P}$ knows. The
-# same two functions that make the matrix evaluate the field: at places $\mathbf{x}$ instead of the
-# points.
+# How many zeros are on the right side of (9.3)? It is the number of columns of $\mathbf{P}$. The
+# functions that build the matrix also evaluate the field, with $\mathbf{x}$ in place of the points.
 #
 # </details>
 
 
-# %% question="09.4"
+# %% question="09.4" minutes=25
 def interpolate(points, values, k, degree, x):
     """Return f of (9.2) with φ_k at x (M, 2), for points (N, 2) and values (N,)."""
     # BEGIN SOLUTION
@@ -396,15 +456,74 @@ def your_field(k, degree):
 
 
 # %% [markdown]
-# **What to look at.** Each dot vanishes in its surroundings: the field goes through your values
-# even where the degree is too low. There it is luck: the matrix is indefinite on the side
-# conditions, and as points move an eigenvalue may pass through zero, as for the triangle at the
-# beginning. (Only $k = 1$ is safe without a polynomial; *dig deeper* says why.) Compare the corners
-# of the picture for the degrees 0 and 3: what does the field do far from the data?
+# **What to look at.** The dots have the same colours as the field around them: it interpolates your
+# values, even if the degree is too low. With a degree that is too low this is luck. The form is
+# indefinite under too few side conditions, and an eigenvalue may pass through zero as the points
+# move, as for the triangle at the beginning. (Only $k = 1$ is safe without a polynomial; *Dig
+# deeper* asks why.) Compare the corners of the picture for the degrees 0 and 3: how does the field
+# extrapolate?
 #
-# And if the degree is right but the points are not? Here five points lie on a line, with the kernel
-# $r^2\log r$ and $n = 1$. The plane $x_1 - x_2$ vanishes at all of them. Add as much of it as you
-# like.
+# ## A real field: the heights of a terrain
+#
+# The next picture interpolates heights from the Shuttle Radar Topography Mission (NASA, in the
+# public domain), around Jacksboro in Tennessee. Matplotlib ships them as sample data, so the bundle
+# needs no file. The sites are random nodes of the elevation model, and the errors are measured at
+# 400 other nodes, which the interpolation has not used. This is *validation by held-out data*;
+# repeated for all sites in turn it is called *cross-validation*.
+
+
+# %%
+def terrain_sample(number, seed):
+    """Return points (number, 2) in kilometres and their heights in metres, at random nodes."""
+    with get_sample_data("jacksboro_fault_dem.npz") as file:
+        height = file["elevation"][::-1].astype(float)
+    random = np.random.default_rng(seed)
+    row, column = (random.integers(0, 240, number) for _ in range(2))
+    return np.stack([0.075 * column, 0.092 * row], axis=1), height[row, column]
+
+
+@draw(
+    number=Slider(40, 300, 120, "sites", whole=True),
+    k=Slider(1, 5, 2, "power k in the map", whole=True),
+)
+def terrain(number, k):
+    sites, heights = terrain_sample(number, 1)
+    held_out, exact = terrain_sample(400, 2)
+    powers = np.arange(1, 6)
+    errors = [
+        np.sqrt(np.mean((interpolate(sites, heights, p, p // 2, held_out) - exact) ** 2))
+        for p in map(int, powers)
+    ]
+    east, north = np.linspace(0, 17.9, 60), np.linspace(0, 22, 60)
+    grid = np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2)
+    field = interpolate(sites, heights, k, k // 2, grid).reshape(60, 60)
+    with figure(6.8, 3.3) as page:
+        left, right = page.subplots(1, 2, width_ratios=(1, 1.1))
+        levels = np.linspace(200, 1100, 19)
+        image = left.contourf(east, north, field, levels=levels, extend="both", cmap="YlOrBr")
+        left.plot(*sites.T, ".", color="black", ms=3)
+        left.set(aspect="equal", xlabel="km to the east", ylabel="km to the north")
+        page.colorbar(image, ax=left, label="height [m]", shrink=0.8)
+        right.semilogy(powers, errors, "o-", color=BLUE)
+        right.plot(k, errors[k - 1], "o", color=ORANGE, ms=9)
+        right.axhline(np.std(exact), color=GREY, ls="--", label="error of the mean height")
+        right.set(xlabel="power $k$", xticks=powers, ylabel="RMS error at 400 other nodes [m]")
+        right.set(yticks=[40, 60, 100, 200], yticklabels=["40", "60", "100", "200"], ylim=(30, 300))
+        right.minorticks_off()
+        right.legend(loc="upper left")
+    return page
+
+
+# %% [markdown]
+# **What to look at.** Which power has the smallest error? A terrain is rough, and a kernel for
+# smooth fields ($k = 5$) overshoots between the sites. No rule selects the kernel; the data do, by
+# held-out errors. Double the number of sites: how much does the error decrease?
+#
+# ## Points on a line
+#
+# What happens if the order is right but the points are not unisolvent? Here five points lie on a
+# line, with the kernel $r^2\log r$ and $n = 1$. The linear polynomial $x_1 - x_2$ vanishes at all
+# of them, and the slider adds a multiple of it.
 
 
 # %%
@@ -441,34 +560,37 @@ def on_a_line(more):
 
 
 # %% [markdown]
-# **What to look at.** Both fields solve the system. On the line they agree, elsewhere nothing
-# decides between them.
+# **What to look at.** Both fields solve the system. They agree on the line and differ everywhere
+# else.
 
 # %% [markdown]
-# ## How many variables?
+# ## Compactly supported kernels
 #
-# The kernels $\varphi_k$ never end: each point feels every other one, and the matrix is full.
-# Wendland found kernels that are zero beyond the distance 1, so that most entries of $\mathbf{A}$
-# are zero, and that need no polynomial. With $y_+ = \max(y, 0)$,
+# The kernels $\varphi_k$ do not vanish anywhere, so every point affects every other one and the
+# matrix is full. Wendland's functions are zero beyond the distance 1, so that most entries of
+# $\mathbf{A}$ are zero, and they need no polynomial. With $y_+ = \max(y, 0)$,
 #
 # $$ \ell = \lfloor D/2 \rfloor + s + 1, \qquad \psi_{D,0}(r) = (1-r)_+^{\ell}, \qquad
 #    \psi_{D,1}(r) = (1-r)_+^{\ell+1} \bigl( (\ell+1)\, r + 1 \bigr) . \tag{9.8} $$
 #
-# Here $D$ is the number of variables, and $s$ tells how smooth the field is: continuous for $s =
-# 0$, with two continuous derivatives for $s = 1$. The second family comes from the first by an
-# integral,
+# Here $D$ is the number of variables. The number $s$ is the smoothness: the field is continuous for
+# $s = 0$ and has two continuous derivatives for $s = 1$. The functions for $s = 1$ are integrals of
+# those for $s = 0$,
 #
 # $$ \psi_{D,1}(r) = C \int_r^\infty t\, \psi_{D+2,0}(t)\, dt , \tag{9.9} $$
 #
-# where $C$ makes $\psi_{D,1}(0) = 1$. They are positive definite in up to $D$ variables, and that
-# is all that is promised.
+# where $C$ normalises $\psi_{D,1}(0) = 1$. Both are positive definite in up to $D$ variables, and
+# in general not in more.
+#
+# *Example.* For $D = 3$ and $s = 1$ we have $\ell = 3$ and $\psi_{3,1}(r) = (1-r)_+^4 (4r + 1)$, so
+# $\psi_{3,1}(\tfrac12) = \tfrac{3}{16}$.
 #
 # ### 09.5 Wendland's functions
 #
 # Write (9.8) for $s = 0$ and $s = 1$. The brackets $\lfloor\;\rfloor$ mean: round down.
 
 
-# %% question="09.5"
+# %% question="09.5" minutes=20 optional
 def wendland(r, d, s):
     """Return ψ_{d,s}(r) of (9.8) for distances r of any shape, and s = 0 or 1."""
     # BEGIN SOLUTION
@@ -485,7 +607,10 @@ check("09.5")
 
 
 # %%
-@draw(d=Slider(1, 3, 1, "made for D", whole=True), s=Slider(0, 1, 0, "smoothness s", whole=True))
+@draw(
+    d=Slider(1, 3, 1, "D of the function", whole=True),
+    s=Slider(0, 1, 0, "smoothness s", whole=True),
+)
 def too_many_variables(d, s):
     r = np.linspace(0, 1.3, 200)
     steps = np.linspace(0.3, 1, 15)
@@ -513,51 +638,53 @@ def too_many_variables(d, s):
                 ms=4,
                 label=f"{variables} variable" + "s" * (variables > 1),
             )
-        right.set(xlabel="step of the lattice", title="least eigenvalue", ylim=(-0.75, 1.05))
+        right.set(xlabel="step of the lattice", title="smallest eigenvalue", ylim=(-0.75, 1.05))
         right.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
 
 
 # %% [markdown]
-# **What to look at.** Lattices of points in one, two and three variables, and the matrix of your
-# function at them. $\psi_{1,0} = (1-r)_+$ is made for the line. In the plane its matrix has a
-# negative eigenvalue, in space a large one, although all points are distinct. The others stay above
-# zero on these lattices. A trial that finds nothing proves nothing, though: $\psi_{1,1}$ is not
-# positive definite in two variables either, but only a lattice of some two thousand points shows
-# it.
+# **What to look at.** The right panel shows the smallest eigenvalue of the matrix of your function
+# for lattices in one, two and three variables. The function $\psi_{1,0} = (1-r)_+$ is positive
+# definite on the line. In the plane its matrix has a negative eigenvalue, and in space a larger
+# one, although all points are distinct. The other functions stay positive on these lattices. Such a
+# test can refute positive definiteness, but it cannot prove it. For instance, $\psi_{1,1}$ is not
+# positive definite in two variables, but only lattices with about two thousand points show it.
 
 # %% [markdown]
-# ## Two points change places
+# ## The Mairhuber–Curtis theorem
 #
-# Why does one need kernels at all? Why not fix $N$ functions once and for all, as the polynomials
-# of degree $N - 1$ on the line, and combine them to go through any $N$ values? On the line that
-# works at all distinct points. In the plane it cannot, whichever functions one takes. This is the
-# theorem of *Mairhuber and Curtis*, and its proof is a film.
+# Could we fix $N$ functions once and for all and interpolate with them at any $N$ points? On the
+# line we can: the polynomials of degree $N - 1$ interpolate at all distinct points. In the plane it
+# is impossible with any continuous functions if $N \geq 2$. This is the theorem of *Mairhuber and
+# Curtis*. Its proof moves two points until they have exchanged their positions.
 #
-# Let $\mathbf{m} = \tfrac12(\mathbf{p}_1 + \mathbf{p}_2)$. The first two points travel around
-# $\mathbf{m}$ counterclockwise, along the two halves of a circle, until they have changed places;
-# $\mathbf{p}_3$ stays:
+# Let $\mathbf{m} = \tfrac12(\mathbf{p}_1 + \mathbf{p}_2)$. The first two points move
+# counterclockwise around $\mathbf{m}$, along the two halves of a circle, while $\mathbf{p}_3$
+# stays:
 #
 # $$ \mathbf{p}_{1,2}(t) = \mathbf{m} + \begin{bmatrix} \cos \pi t & -\sin \pi t \\ \sin \pi t &
 #    \cos \pi t \end{bmatrix}
 #    (\mathbf{p}_{1,2} - \mathbf{m}), \qquad 0 \leq t \leq 1. \tag{9.10} $$
 #
-# ### 09.6 When does it fail?
+# *Example.* For $\mathbf{p}_1 = (1, 0)$, $\mathbf{p}_2 = (-1, 0)$ and $\mathbf{p}_3 = (0, 2)$ the
+# points lie on the vertical axis at $t = \tfrac12$.
 #
-# The functions $1, x_1, x_2$ cannot go through any three values when the three points lie on one
-# line. Return the time $t$ between 0 and 1 at which they do.
+# ### 09.6 The time of failure
+#
+# The functions $1, x_1, x_2$ cannot interpolate arbitrary values at three points on one line. Write
+# a function that returns the time $t$ between 0 and 1 at which the three points lie on one line.
 #
 # <details><summary>Hint</summary>
 #
-# The line through the two moving points always contains $\mathbf{m}$, and it turns by the angle
-# $\pi t$. In which direction is $\mathbf{p}_3$, seen from $\mathbf{m}$? `np.arctan2(y, x)` is the
-# angle of a vector; a line that has turned by $\pi$ is the same line. Or search: the sign of a
-# determinant differs at the two ends.
+# The line through the two moving points contains $\mathbf{m}$ and rotates by the angle $\pi t$. In
+# which direction is $\mathbf{p}_3$, seen from $\mathbf{m}$? A line that has rotated by $\pi$ is the
+# same line. Another way is bisection: a determinant has different signs at the two ends.
 #
 # </details>
 
 
-# %% question="09.6"
+# %% question="09.6" minutes=15 optional
 def exchange_time(points):
     """Return the time t of (9.10) at which three points (3, 2) lie on one line."""
     # BEGIN SOLUTION
@@ -574,28 +701,28 @@ check("09.6")
 
 # %%
 @draw(t=Slider(0, 1, 0.25, "time t"))
-def film(t):
+def exchange(t):
     (three,) = data("09.6")
     three = (three - three.mean(axis=0)) / np.ptp(three, axis=0).max()
 
-    def moved(time):
+    def positions(time):
         z = three[:, 0] + 1j * three[:, 1]
         middle = (z[0] + z[1]) / 2
         z[:2] = middle + np.exp(1j * np.pi * time) * (z[:2] - middle)
         return np.stack([z.real, z.imag], axis=1)
 
     times = np.linspace(0, 1, 101)
-    plain = np.array([np.linalg.det(monomials(moved(u), 1)) for u in times])
-    bumps = np.array(
-        [np.linalg.det(np.exp(-4 * distances(moved(u), moved(u)) ** 2)) for u in times]
+    plain = np.array([np.linalg.det(monomials(positions(u), 1)) for u in times])
+    gaussians = np.array(
+        [np.linalg.det(np.exp(-4 * distances(positions(u), positions(u)) ** 2)) for u in times]
     )
     with figure(6.4, 3.3) as page:
         left, right = page.subplots(1, 2, width_ratios=[1, 1.4])
-        now = moved(t)
+        now = positions(t)
         for j in (0, 1):
-            left.plot(*np.array([moved(u)[j] for u in times]).T, color=GREY, lw=0.8, ls=":")
-        turned = np.linalg.det(monomials(now, 1)) > 0
-        left.fill(*now.T, color=BLUE if turned else ORANGE, alpha=0.3)
+            left.plot(*np.array([positions(u)[j] for u in times]).T, color=GREY, lw=0.8, ls=":")
+        positive = np.linalg.det(monomials(now, 1)) > 0
+        left.fill(*now.T, color=BLUE if positive else ORANGE, alpha=0.3)
         for number, spot in zip("123", now, strict=True):
             left.plot(*spot, "o", color="black", ms=12)
             left.annotate(number, spot, color="white", ha="center", va="center", fontsize=8)
@@ -605,11 +732,15 @@ def film(t):
         right.axhline(0, color=GREY, lw=0.8)
         right.plot(times, plain / np.abs(plain).max(), color=BLUE, label="$1, x_1, x_2$")
         right.plot(
-            times, bumps / np.abs(bumps).max(), color=GREEN, ls="--", label="three Gaussians"
+            times,
+            gaussians / np.abs(gaussians).max(),
+            color=GREEN,
+            ls="--",
+            label="three Gaussians",
         )
         right.axvline(t, color=PURPLE, lw=1)
         right.plot(exchange_time(three), 0, "o", mfc="none", ms=9, color=ORANGE, label="your time")
-        right.set(xlabel="time $t$", title="determinant, over its largest size", ylim=(-1.15, 1.15))
+        right.set(xlabel="time $t$", title="determinant / its maximum", ylim=(-1.15, 1.15))
         right.legend(
             loc="upper center", bbox_to_anchor=(0.4, -0.2), ncols=3, fontsize=9, columnspacing=1
         )
@@ -617,24 +748,26 @@ def film(t):
 
 
 # %% [markdown]
-# **What to look at.** Three points of your own. Move the time from 0 to 1. The triangle is turned
-# over, so it must have been flat on the way: there the determinant of $1, x_1, x_2$ at the three
-# points vanishes. At the end two rows of the matrix have been exchanged. The Gaussians sit on the
-# points and travel with them, so that rows *and* columns are exchanged.
+# **What to look at.** The picture shows three points of your own. Move the time from 0 to 1. The
+# orientation of the triangle is reversed, so the triangle must be flat at some time. At this time
+# the determinant of $1, x_1, x_2$ at the three points vanishes. At the end two rows of the matrix
+# have been exchanged. The Gaussians are centred at the points and move with them, so that rows
+# *and* columns are exchanged.
 
 # %% [markdown]
-# ## Slopes are data too
+# ## Slopes as data
 #
-# Nothing so far needs values. Any linear measurements will do, if they are independent. Take one
-# variable, points $x_1, \dots, x_N$, and at each of them a value $v_i$ and a slope $g_i$. The bump
-# of a value is $\varphi(x - y)$ with $y$ at the point. The bump of a slope is its derivative **by
-# $y$**. With $\varphi(z) = \lvert z \rvert^3$, whose derivatives are $\varphi'(z) = 3z\lvert z
-# \rvert$ and $\varphi''(z) = 6\lvert z \rvert$, and of order two,
+# The method needs linear measurements, and values are only one kind of them. Interpolation of
+# values and derivatives is called *Hermite–Birkhoff interpolation*. Take one variable, points
+# $x_1, \dots, x_N$, and at each point a value $v_i$ and a slope $g_i$. The basis function of a
+# value is $\varphi(x - y)$ with $y$ at the point. The basis function of a slope is its derivative
+# **with respect to $y$**. Take $\varphi(z) = \lvert z \rvert^3$, which has order two and the
+# derivatives $\varphi'(z) = 3z\lvert z \rvert$ and $\varphi''(z) = 6\lvert z \rvert$. Then
 #
 # $$ f(x) = \sum_j \lambda_j\, \lvert x - x_j \rvert^3 - \sum_j \mu_j\, 3 (x - x_j) \lvert x - x_j
 #    \rvert + c_0 + c_1 x . \tag{9.11} $$
 #
-# The side conditions pair the same measurements with $1$ and $x$: $\sum_j \lambda_j = 0$ and
+# The side conditions apply the same measurements to $1$ and $x$: $\sum_j \lambda_j = 0$ and
 # $\sum_j (\lambda_j x_j + \mu_j) = 0$, since the slope of $1$ is $0$ and that of $x$ is $1$. With
 # $z_{ij} = x_i - x_j$ the conditions $f(x_i) = v_i$ and $f'(x_i) = g_i$ give
 #
@@ -643,24 +776,24 @@ def film(t):
 #    1 & 0 & 0 & 0 \\
 #    x_j & 1 & 0 & 0 \end{bmatrix}
 #    \begin{bmatrix} \boldsymbol{\lambda} \\ \boldsymbol{\mu} \\ c_0 \\ c_1 \end{bmatrix} =
-#    \begin{bmatrix} \mathbf{v} \\ \mathbf{g} \\ 0 \\ 0 \end{bmatrix} , \tag{9.12} $$
+#    \begin{bmatrix} \mathbf{v} \\ \mathbf{g} \\ 0 \\ 0 \end{bmatrix} . \tag{9.12} $$
 #
-# where each entry stands for a block: of $N \times N$ numbers in the first two rows and columns, of
-# $N$ numbers beside and below them.
+# Each entry stands for a block. The blocks in the first two rows and columns have $N \times N$
+# numbers, and the blocks beside and below them have $N$ numbers.
 #
 # ### 09.7 The matrix for values and slopes
 #
-# Write the matrix of (9.12). It is symmetric; look at the signs, and you see why.
+# Write a function that returns the matrix of (9.12). It must be symmetric; the signs show why.
 #
 # <details><summary>Hint</summary>
 #
-# `np.block` takes the blocks row by row, as they stand. A block for $x_i$ needs the shape $(N, 1)$.
-# What is $\varphi'(-z)$?
+# `np.block` takes the blocks row by row, as in (9.12). The block of the $x_i$ needs the shape
+# $(N, 1)$. What is $\varphi'(-z)$?
 #
 # </details>
 
 
-# %% question="09.7"
+# %% question="09.7" minutes=20 optional
 def slope_matrix(x):
     """Return the matrix of (9.12), of shape (2N + 2, 2N + 2), for x of shape (N,)."""
     # BEGIN SOLUTION
@@ -684,19 +817,19 @@ def with_slopes(slope):
     v = np.array([0.2, 1.0, 0.4, 0.9, 0.0])
     g = np.array([2.0, 0.0, slope, 0.0, -1.0])
     found = np.linalg.solve(slope_matrix(x), np.concatenate([v, g, [0, 0]]))
-    places = np.linspace(-0.5, 3.5, 400)
-    z = np.subtract.outer(places, x)
+    points = np.linspace(-0.5, 3.5, 400)
+    z = np.subtract.outer(points, x)
     field = (
         np.abs(z) ** 3 @ found[:5]
         - 3 * (z * np.abs(z)) @ found[5:10]
         + found[10]
-        + found[11] * places
+        + found[11] * points
     )
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
         for j in (0, 2):
             axes.axvspan(x[j], x[j + 1], color=GREY, alpha=0.12, lw=0)
-        axes.plot(places, field, color=BLUE)
+        axes.plot(points, field, color=BLUE)
         for a, value, rise in zip(x, v, g, strict=True):
             reach = 0.22 / np.hypot(1, rise) * np.array([-1, 1])
             axes.plot(a + reach, value + rise * reach, color=ORANGE, lw=2.5)
@@ -706,130 +839,117 @@ def with_slopes(slope):
 
 
 # %% [markdown]
-# **What to look at.** The curve has the values and the slopes. Which parts of it move when you
-# change the slope of the third point, and which do not? Every bump in (9.11) reaches everywhere,
-# and yet the answer is local. Between two neighbours the curve is the cubic that their two values
-# and two slopes determine, as in every textbook on interpolation; outside it is straight.
+# **What to look at.** The curve has the given values and slopes. Which parts of it move when you
+# change the slope at the third point, and which do not? Every basis function of (9.11) is nonzero
+# almost everywhere, and yet the solution is local. Between two neighbours the curve is the cubic
+# *Hermite interpolant* of their two values and two slopes. Outside the points it is straight.
 #
 # ## In words
 #
-# **09.8** A program uses $\varphi_3 = r^3$ with the constant alone, $n = 0$, instead of $n = 1$. It
-# has worked on every set of points so far. What has been lost? Say what can go wrong, and give an
-# example of a kernel and of distinct points for which a degree that is too low fails altogether. Is
-# it a mistake to take $n = 2$ for $r^3$?
+# **09.8** A program uses $\varphi_3 = r^3$ with the constant only, $n = 0$, instead of $n = 1$. It
+# has worked for every set of points so far. What can go wrong? Explain it with the quadratic form,
+# and give an example of a kernel and of distinct points for which a degree that is too low fails.
 #
 # <details><summary>Hint</summary>
 #
-# Think of two sets of points, one of which has a positive determinant and the other a negative one,
-# and of a path between them. For the example look at the first picture.
+# Imagine two sets of points, one with a positive determinant and one with a negative determinant,
+# and a path between them. For the example look at the first picture.
 #
 # </details>
 
-# %% [markdown] answer="09.8" points=4
-# The promise has been lost. $r^3$ has the order two: only if the $\lambda_j$ annihilate constants
-# and linear functions is $\boldsymbol\lambda^T\mathbf{A}\boldsymbol\lambda$ positive. Under
-# $\sum\lambda_j = 0$ alone the form has both signs, as the picture of both sides shows, so its
-# eigenvalues may pass through zero as points move: for some distinct points the matrix is singular,
-# and near them the factors are huge and the field swings. Nor is the field any longer that of least
-# energy, and far away it grows faster than a plane.
+# %% [markdown] answer="09.8" points=4 minutes=15 words=100
+# The guarantee is lost. $r^3$ has the order two: $\boldsymbol\lambda^T\mathbf{A}\boldsymbol\lambda$
+# is positive only if the $\lambda_j$ annihilate constants and linear functions. Under
+# $\sum\lambda_j = 0$ alone the form is indefinite, as the picture of 09.2 shows. So eigenvalues may
+# pass through zero as points move: for some distinct points the matrix is singular. Near them the
+# coefficients are huge and the field oscillates.
 #
-# For $r^3$ itself, with $n = 0$, such points are the corners of a triangle with the sides $1$, $1$
-# and $2^{2/3}$.
+# *Example.* $r^2\log r$ without a polynomial (order two, $n = -1$). For the corners of an
+# equilateral triangle with the side 1 all distances are 0 or 1, $\varphi_2$ vanishes at both, and
+# $\mathbf{A} = \mathbf{0}$. For $r^3$ itself with $n = 0$ an example is a triangle with the sides
+# $1$, $1$ and $2^{2/3}$.
 #
-# *Another example.* $r^2\log r$ without a polynomial (order two, $n = -1$): for the corners of an
-# equilateral triangle with the side 1 all distances are 0 or 1, $\varphi_2$ vanishes at both,
-# $\mathbf{A} = \mathbf{0}$, and no values but zero can be met.
-#
-# $n = 2$ is no mistake. More side conditions leave fewer $\boldsymbol\lambda$, and a form that is
-# positive on a space is positive on a smaller one. But the points must be unisolvent for
-# quadratics: at least six in the plane, not on a conic; and the field may grow quadratically
-# outside.
+# *Remark.* $n = 2$ is allowed for $r^3$: a form that is positive on a space is positive on every
+# subspace. But the points must then be unisolvent for quadratic polynomials.
 
 # %% [markdown] rubric="09.8"
-# One point: the form is no longer positive under fewer conditions (indefinite). One: hence singular
-# at some distinct points, although it may work at most. One for an example that is right, with a
-# reason. One: a higher degree is allowed, the points must then be unisolvent for it.
+# One point: the form is not positive under fewer side conditions (indefinite). One: hence the
+# matrix is singular for some distinct points. One: near them the coefficients are large, although
+# the program has worked so far. One for a correct example with a reason.
 
 # %% [markdown]
-# **09.9** One often reads that (9.3) can be solved if and only if the points are unisolvent. Five
-# points lie on a line of the plane, the kernel is of order two, $n = 1$. Does (9.3) have a
-# solution? For all values? Which part of it is unique, and what should a program do?
+# **09.9** Five points lie on a line of the plane, the kernel has the order two, and $n = 1$. Show
+# that (9.3) has a solution for all values, and say which part of it is unique.
 #
 # <details><summary>Hint</summary>
 #
-# Multiply the first row of (9.3) by $\mathbf{Z}^T$. Which matrix is left, and can it be inverted?
-# Then ask in which space $\mathbf{v} - \mathbf{A}\boldsymbol{\lambda}$ lies.
+# Multiply the first block row of (9.3) by $\mathbf{Z}^T$. Which matrix remains, and is it regular?
+# In which space does $\mathbf{v} - \mathbf{A}\boldsymbol{\lambda}$ lie?
 #
 # </details>
 
-# %% [markdown] answer="09.9" points=3
-# It has a solution for all values. With $\boldsymbol\lambda = \mathbf{Z}\mathbf{t}$ the first row
-# becomes $\mathbf{Z}^T\mathbf{A}\mathbf{Z}\,\mathbf{t} = \mathbf{Z}^T\mathbf{v}$, whose matrix is
-# positive definite, since the points are distinct and the order is right. So $\mathbf{t}$, and with
-# it $\boldsymbol\lambda$, exists and is unique. What is left, $\mathbf{v} -
-# \mathbf{A}\boldsymbol\lambda$, is orthogonal to $\mathbf{Z}$, and hence in the range of
-# $\mathbf{P}$: there is a $\mathbf{c}$ with $\mathbf{P}\mathbf{c}$ equal to it.
+# %% [markdown] answer="09.9" points=3 minutes=10 words=70
+# With $\boldsymbol\lambda = \mathbf{Z}\mathbf{t}$ the first block row becomes
+# $\mathbf{Z}^T\mathbf{A}\mathbf{Z}\,\mathbf{t} = \mathbf{Z}^T\mathbf{v}$. Its matrix is positive
+# definite, since the points are distinct and the order is right. So $\mathbf{t}$ and hence
+# $\boldsymbol\lambda$ exist and are unique. The remainder
+# $\mathbf{v} - \mathbf{A}\boldsymbol\lambda$ is orthogonal to the columns of $\mathbf{Z}$, and
+# hence in the range of $\mathbf{P}$: there is a $\mathbf{c}$ with $\mathbf{P}\mathbf{c}$ equal to
+# it.
 #
-# $\mathbf{c}$ is not unique: one may add the coefficients of a linear function that vanishes on the
-# line. On the line the field is determined, off the line it is not.
-#
-# A program should refuse, or say which solution it takes and why (such as the shortest
-# $\mathbf{c}$, or no slope across the line). It should not solve a singular system by elimination
-# and return what rounding has made of it.
+# The polynomial is not unique: one may add a linear function that vanishes on the line. The field
+# is determined on the line and not outside it. A program should refuse, or choose a solution by a
+# stated rule, such as the smallest $\lVert\mathbf{c}\rVert$.
 
 # %% [markdown] rubric="09.9"
-# One point: a solution exists for all values, with a reason. One: the factors of the bumps are
-# unique, the polynomial is not (a polynomial that is zero at the points may be added). One for a
-# sensible reaction of a program: refuse, tell, or choose by a stated rule.
+# One point: $\boldsymbol\lambda$ exists and is unique, since $\mathbf{Z}^T\mathbf{A}\mathbf{Z}$ is
+# positive definite. One: a polynomial exists, since the remainder is in the range of $\mathbf{P}$.
+# One: the polynomial is not unique; a polynomial that vanishes at the points may be added.
 
 # %% [markdown]
-# **09.10** Finish the proof of Mairhuber and Curtis: why can no three continuous functions on the
-# plane, not even others than $1, x_1, x_2$, go through any values at any three distinct points?
-# Where does the proof fail on the line, and why does it say nothing against bumps on the points?
+# **09.10** Complete the proof of Mairhuber and Curtis: for any three continuous functions on the
+# plane there are three distinct points and three values that they cannot interpolate.
 #
 # <details><summary>Hint</summary>
 #
-# Follow the determinant of the matrix with the entries $g_l(\mathbf{p}_i(t))$ from $t = 0$ to $t =
-# 1$. What does the exchange of two rows do to a determinant? And of two rows and two columns?
+# Follow the determinant of the matrix with the entries $g_l(\mathbf{p}_i(t))$ from $t = 0$ to
+# $t = 1$. What does the exchange of two rows do to a determinant?
 #
 # </details>
 
-# %% [markdown] answer="09.10" points=3
-# Let $g_1, g_2, g_3$ be continuous, and $d(t)$ the determinant of the matrix with the entries
-# $g_l(\mathbf{p}_i(t))$. It is continuous. At $t = 1$ the first two points have changed places, two
-# rows of the matrix are exchanged, and $d(1) = -d(0)$. So $d$ vanishes somewhere in between, while
-# the three points are distinct all the time, if $\mathbf{p}_3$ is not on the circle. There the
-# matrix is singular, and for some values there is no interpolant. With more points choose the
-# circle so small that it meets none of the others.
-#
-# On the line the two points cannot change places without meeting each other, and there the matrix
-# has two equal rows anyway. One variable has no room to step aside.
-#
-# With bumps the functions depend on the points: $g_l(\mathbf{x}) = \varphi(\lVert\mathbf{x} -
-# \mathbf{p}_l(t)\rVert)$. The exchange swaps two rows and two columns, the determinant keeps its
-# sign, and nothing forces it through zero.
+# %% [markdown] answer="09.10" points=3 minutes=10 words=70 optional
+# Let $g_1, g_2, g_3$ be continuous, and let $d(t)$ be the determinant of the matrix with the
+# entries $g_l(\mathbf{p}_i(t))$. It is a continuous function. At $t = 1$ the first two points have
+# exchanged their positions, so two rows of the matrix are exchanged, and $d(1) = -d(0)$. So $d$
+# vanishes at some time. The three points are distinct at all times if $\mathbf{p}_3$ is not on the
+# circle. At the time of the zero the matrix is singular, so there are values without an
+# interpolant.
 
 # %% [markdown] rubric="09.10"
-# One point: continuous, changes its sign by the exchange of two rows, hence a zero at distinct
-# points. One: on a line the points would have to meet. One: bumps move with the points, rows and
-# columns are exchanged, the sign stays.
+# One point: the determinant is continuous. One: the exchange of two rows changes its sign, hence a
+# zero. One: the points are distinct at all times, and a singular matrix means values without an
+# interpolant.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - $-r$ has the order one. Compute the eigenvalues of its matrix $\mathbf{A}$ alone, without any
-#   polynomial. How many are negative? Why is it never singular at distinct points? (Its trace is
+# - The kernel $-r$ has the order one. Compute the eigenvalues of its matrix $\mathbf{A}$ without a
+#   polynomial. How many are negative? Why is the matrix regular for distinct points? (Its trace is
 #   zero.)
-# - $\varphi(r) = -r^2$ has a form that is never negative if $\sum\lambda_j = 0$. Try it in
-#   `least_eigenvalue`. Expand $\lVert\mathbf{p}_i - \mathbf{p}_j\rVert^2$: for which
-#   $\boldsymbol{\lambda}$ is the form zero? Why does no even power of $r$ serve without a
-#   logarithm?
-# - Multiply all points by 1000. By what factor do the least eigenvalues of $\varphi_3$ change? And
-#   does the field of 09.4?
-# - The film with six points and the polynomials of degree two: when is the determinant zero? Draw
+# - The kernel $\varphi(r) = -r^2$ has a form that is never negative if $\sum\lambda_j = 0$. Test it
+#   with `least_eigenvalue`. Expand $\lVert\mathbf{p}_i - \mathbf{p}_j\rVert^2$: for which
+#   $\boldsymbol{\lambda}$ is the form zero? Why do even powers need a logarithm?
+# - Multiply all points by 1000. By which factor do the smallest eigenvalues of $\varphi_3$ change?
+#   Does the field of 09.4 change?
+# - Where does the proof of 09.10 fail on the line, and why does it not apply to kernels centred at
+#   the points?
+# - Move two of six points and use the polynomials of degree two: when is the determinant zero? Draw
 #   the conic.
-# - A Wendland function on a cloud of ten thousand points, with a radius of three spacings: what
-#   part of the matrix is not zero? `scipy.sparse` stores only that.
+# - Take a Wendland function on ten thousand points, with a radius of three spacings. Which part of
+#   the matrix is not zero? `scipy.sparse` stores only this part.
+#
+# **Next**: notebook 10 treats $r^3$ in one variable, the natural spline; notebook 12 couples two
+# meshes by such fields.
 
 # %%
 progress()

@@ -1,5 +1,10 @@
 # ---
 # jupyter:
+#   course:
+#     builds_on:
+#       "03": the saddle-point system of a kernel and a linear polynomial
+#     pages: book, section 1.4
+#     chapters: [20-natural-splines]
 #   jupytext:
 #     text_representation:
 #       extension: .py
@@ -13,17 +18,24 @@
 # %% [markdown]
 # # Natural splines
 #
-# A thin elastic rod is held by pins. Which shape does it take? Draughtsmen built ships with such
-# rods and called them *splines*. The shape is the curve through the pins that bends least, and it
-# is known in every detail.
+# A *spline* was a thin elastic rod with which draughtsmen drew the lines of ships. Held by pins,
+# the rod takes the shape with the least bending energy. This shape is, for small slopes, the
+# *natural cubic spline* through the pins.
 #
-# In this notebook you compute it in two ways that have nothing in common: by one bump $\lvert x -
-# x_j \rvert^3$ for each pin, and by cubic pieces from pin to pin. You convert one into the other,
-# see that the curve is straight beyond the last pin, measure how much it bends, and find out how a
-# curve whose bumps reach everywhere can be local. In the first way nothing needs the line: it is
-# how fields in the plane and in space are made.
+# This notebook computes the natural spline in two ways that look unrelated: as a sum of one
+# function $\lvert x - x_j \rvert^3$ for each pin, and by cubic polynomials between the pins. You
+# convert one form into the other, compute the bending energy, and see how a sum of functions that
+# are nonzero everywhere can be local. The first form generalises to the plane and to space, where
+# it is interpolation by radial basis functions (notebooks 03 and 09).
 #
-# Each question asks for a function. Write it, run its cell, and run the check below it.
+# **Sources**: H. Wendland, *Scattered Data Approximation* (2005), section 1.4, pages 12–16; C. de
+# Boor, *A Practical Guide to Splines* (1978). **To search for**: natural cubic spline, truncated
+# power, moments of a spline, tridiagonal system, bending energy, minimal norm property, B-spline,
+# Cox–de Boor recursion, Marsden's identity.
+#
+# Each question asks for a short function with a check below it, or for an answer in words. After a
+# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
+# your values, and the right ones.
 
 # %% tags=["setup"]
 import numpy as np
@@ -35,6 +47,7 @@ from fieldcheck import (
     ORANGE,
     PURPLE,
     Slider,
+    case,
     check,
     data,
     draw,
@@ -46,8 +59,9 @@ from fieldcheck import (
 # %% [markdown]
 # ## The problem in a picture
 #
-# Eight pins. A polynomial through all of them swings between them, and a broken line has a kink at
-# each. A rod would do neither. Move one pin, and see how far the polynomial feels it.
+# There are eight pins. The polynomial through all of them oscillates between them (*Runge
+# phenomenon*), and the broken line has a kink at each. At the end of question 10.4 your spline will
+# join this picture. Move one pin: how far does the polynomial react?
 
 
 # %%
@@ -70,51 +84,82 @@ def the_problem(height):
 # %% [markdown]
 # ## Natural cubic splines
 #
-# Let $x_1 < x_2 < \dots < x_N$ be the *sites* and $f_1, \dots, f_N$ the values. A *cubic spline* is
-# a curve with two continuous derivatives that is a cubic polynomial between neighbouring sites,
-# before the first and after the last. It is *natural* if it is a straight line before the first
-# site and after the last: no pin bends it there.
+# Let $x_1 < x_2 < \dots < x_N$ be the *sites* and $f_1, \dots, f_N$ the values. A *cubic spline*
+# has two continuous derivatives and is a cubic polynomial between neighbouring sites, before the
+# first site and after the last one. It is *natural* if it is a straight line before the first site
+# and after the last one.
 #
-# With $y_+ = \max(y, 0)$, the function $(x - x_j)_+^3$ is zero up to $x_j$, a cubic from there on,
-# and has two continuous derivatives. Start on the left with a straight line; at each site add a
-# multiple of this *truncated power*:
+# Let $y_+ = \max(y, 0)$. The *truncated power* $(x - x_j)_+^3$ is zero up to $x_j$ and a cubic
+# polynomial from there on, and it has two continuous derivatives. We begin on the left with a
+# straight line and add a multiple of a truncated power at each site:
 #
 # $$ s(x) = \sum_{j=1}^N \alpha_j\, (x - x_j)_+^3 + \beta_0 + \beta_1 x . \tag{10.1} $$
 #
-# After the last site all truncated powers are powers. There the sum has to be straight again, so
-# the factors of $x^3$ and of $x^2$ vanish:
+# After the last site the truncated powers are cubic polynomials. There the sum must be a straight
+# line again, so the coefficients of $x^3$ and of $x^2$ must vanish:
 #
 # $$ \sum_{j=1}^N \alpha_j = 0, \qquad \sum_{j=1}^N \alpha_j\, x_j = 0 . \tag{10.2} $$
 #
-# A truncated power knows left from right. A function of the *distance* $\lvert x - x_j \rvert$ does
-# not, and has a meaning in the plane too. The bridge is
+# Truncated powers distinguish left and right. Functions of the *distance* $\lvert x - x_j \rvert$
+# do not, and they make sense in the plane, too. The two are related by
 #
 # $$ y_+^3 = \tfrac12 \bigl( \lvert y \rvert^3 + y^3 \bigr) . \tag{10.3} $$
 #
-# Put it into (10.1), and the same curve becomes, with the same conditions for the new factors
-# $a_j$,
+# With (10.3) the curve (10.1) becomes
 #
 # $$ s(x) = \sum_{j=1}^N a_j\, \lvert x - x_j \rvert^3 + b_0 + b_1 x, \qquad
-#    \sum_{j=1}^N a_j = \sum_{j=1}^N a_j\, x_j = 0 . \tag{10.4} $$
+#    \sum_{j=1}^N a_j = \sum_{j=1}^N a_j\, x_j = 0 , \tag{10.4} $$
+#
+# where the new coefficients $a_j$ satisfy the same conditions.
+#
+# ## A worked example
+#
+# The sites are $0, 1, 2$, with the values $0, 1, 0$. By (10.2), $\alpha = t\,(1, -2, 1)$ for some
+# $t$. Before the first site the curve is the line $\beta_0 + \beta_1 x$, so $s(0) = 0$ gives
+# $\beta_0 = 0$. The other two values give $t + \beta_1 = 1$ and $8t - 2t + 2\beta_1 = 0$. Hence
+# $t = -\tfrac12$ and $\beta_1 = \tfrac32$:
+#
+# $$ s(x) = -\tfrac12 x_+^3 + (x-1)_+^3 - \tfrac12 (x-2)_+^3 + \tfrac32 x . $$
+#
+# In (10.4) the same curve has $a = (-\tfrac14, \tfrac12, -\tfrac14)$, $b_0 = \tfrac32$ and
+# $b_1 = 0$. The next cell evaluates both forms. At $x = \tfrac12$ the value is $\tfrac{11}{16}$.
+
+
+# %%
+def truncated_sum(sites, alpha, beta, x):
+    """Return s of (10.1) at points x (K,), of shape (K,), for α (N,) and β (2,)."""
+    powers = np.maximum(np.subtract.outer(x, sites), 0) ** 3
+    return powers @ alpha + beta[0] + beta[1] * x
+
+
+x = np.array([-1, 0.5, 1, 2, 3])
+knots = np.array([0, 1, 2])
+print(truncated_sum(knots, np.array([-0.5, 1, -0.5]), np.array([0, 1.5]), x))
+cubes = sum(a * abs(x - knot) ** 3 for a, knot in zip((-0.25, 0.5, -0.25), knots, strict=True))
+print(cubes + 1.5)
+
+# %% [markdown]
+# The function `truncated_sum` is a finished one, to imitate: a docstring with the formula and the
+# shapes, and one matrix of shape $(K, N)$ instead of a loop over the points.
 #
 # ### 10.1 From truncated powers to distances
 #
-# Find $a_j$, $b_0$ and $b_1$ with pen and paper, from $\alpha_j$, $\beta_0$ and $\beta_1$. Then
-# write it.
+# Derive $a_j$, $b_0$ and $b_1$ from $\alpha_j$, $\beta_0$ and $\beta_1$ on paper. Then write the
+# function.
 #
 # <details><summary>Hint</summary>
 #
-# By (10.3) there is a rest, half of $\sum_j \alpha_j (x - x_j)^3$. Expand the cube. Which of the
-# four powers of $x$ drop out by (10.2), and to which coefficients do the others belong?
+# By (10.3) a remainder is left, half of $\sum_j \alpha_j (x - x_j)^3$. Expand the cube. Which of
+# the four powers of $x$ vanish by (10.2), and to which coefficients do the others contribute?
 #
 # </details>
 
 
-# %% question="10.1"
+# %% question="10.1" minutes=25
 def from_truncated(sites, alpha, beta):
     """Return a and b of (10.4), of shapes (N,) and (2,).
 
-    alpha (N,) and beta (2,) are those of (10.1), and satisfy (10.2).
+    alpha (N,) and beta (2,) are the coefficients in (10.1), and satisfy (10.2).
     """
     # BEGIN SOLUTION
     a = alpha / 2
@@ -138,13 +183,13 @@ def two_sums(middle):
     z = np.subtract.outer(side, knots)
     with figure(6.4, 2.9) as page:
         left, right = page.subplots(1, 2, sharey=True)
-        for axes, terms, rest, title in (
+        for axes, terms, line, title in (
             (left, alpha * z.clip(0) ** 3, 0.4 - 0.6 * side, "truncated powers"),
             (right, a * np.abs(z) ** 3, b[0] + b[1] * side, "distances"),
         ):
             axes.plot(side, terms, color=GREY, lw=1)
-            axes.plot(side, rest, color=GREEN, lw=1.2, ls="--", label="straight line")
-            axes.plot(side, terms.sum(axis=1) + rest, color=BLUE, lw=2.2, label="sum")
+            axes.plot(side, line, color=GREEN, lw=1.2, ls="--", label="straight line")
+            axes.plot(side, terms.sum(axis=1) + line, color=BLUE, lw=2.2, label="sum")
             for knot in knots:
                 axes.axvline(knot, color=GREY, lw=0.6, ls=":")
             axes.set(title=title, xlabel="$x$", ylim=(-12, 12))
@@ -153,28 +198,32 @@ def two_sums(middle):
 
 
 # %% [markdown]
-# **What to look at.** The grey terms and the dashed lines differ, the sums do not. On the left
-# nothing happens before the first site. On the right all terms are there from the start, left and
-# right look alike, and together they are straight on both sides: that is the work of (10.2).
+# **What to look at.** The grey terms and the dashed lines of the two panels differ, the sums do
+# not. On the left all terms vanish before the first site. On the right no term vanishes anywhere,
+# and the picture is symmetric. By (10.2) the sum is straight on both sides.
 
 # %% [markdown]
-# ## Through the pins
+# ## The saddle-point system
 #
-# In (10.4) there are $N + 2$ unknowns, and $N + 2$ equations: $s(x_i) = f_i$, and the two side
-# conditions. With $A_{ij} = \lvert x_i - x_j \rvert^3$ and $\mathbf{P}$ with the rows $(1, x_i)$,
+# The form (10.4) has $N + 2$ unknowns, and there are $N + 2$ equations: $s(x_i) = f_i$ and the two
+# side conditions. With $A_{ij} = \lvert x_i - x_j \rvert^3$ and $\mathbf{P}$ with the rows
+# $(1, x_i)$,
 #
 # $$ \begin{bmatrix} \mathbf{A} & \mathbf{P} \\ \mathbf{P}^T & \mathbf{0} \end{bmatrix}
 #    \begin{bmatrix} \mathbf{a} \\ \mathbf{b} \end{bmatrix} =
 #    \begin{bmatrix} \mathbf{f} \\ \mathbf{0} \end{bmatrix} . \tag{10.5} $$
 #
-# So the natural spline is a radial basis function: the kernel $r^3$ and a polynomial of degree one.
+# So the natural spline is an interpolant by radial basis functions: the kernel $r^3$ with a
+# polynomial of degree one. On a line it is $r^3$ that minimises the bending energy. In the plane it
+# is the thin-plate spline $r^2 \log r$.
 #
 # ### 10.2 The spline by distances
 #
-# Solve (10.5). The sites may come in any order: nothing in the system asks for it.
+# Write a function that solves (10.5). The sites may come in any order, since no equation of the
+# system depends on it.
 
 
-# %% question="10.2"
+# %% question="10.2" minutes=20
 def radial_spline(sites, values):
     """Return a (N,) and b (2,) of (10.4), for values (N,) at sites (N,)."""
     # BEGIN SOLUTION
@@ -182,8 +231,8 @@ def radial_spline(sites, values):
     p = np.stack([np.ones(n), sites], axis=1)
     kernel = np.abs(sites[:, np.newaxis] - sites) ** 3
     system = np.block([[kernel, p], [p.T, np.zeros((2, 2))]])
-    found = np.linalg.solve(system, np.append(values, [0, 0]))
-    return found[:n], found[n:]
+    unknown = np.linalg.solve(system, np.append(values, [0, 0]))
+    return unknown[:n], unknown[n:]
     # END SOLUTION
 
 
@@ -193,7 +242,7 @@ check("10.2")
 
 # %%
 @draw(height=Slider(-2, 2, 0.8, "height of the fourth pin"))
-def the_rod(height):
+def your_spline(height):
     pins, heights = data("10.2")
     order = np.argsort(pins)
     pins, heights = pins[order], heights[order].copy()
@@ -212,16 +261,17 @@ def the_rod(height):
 
 
 # %% [markdown]
-# **What to look at.** Your own pins. The rod is straight outside the grey part. Move a pin: near it
-# the rod follows, a few pins further it hardly notices.
+# **What to look at.** The curve passes through pins of your own and is straight outside the grey
+# part. Move a pin: the curve follows near it and hardly changes a few pins further.
 
 # %% [markdown]
-# ## From pin to pin
+# ## Cubic pieces
 #
-# Now forget all that. On each interval the spline is a cubic, so its second derivative is a
-# straight line, and $s''$ is a broken line. Call its values at the sites the *moments* $M_i =
-# s''(x_i)$. With $h_i = x_{i+1} - x_i$ and $u = (x - x_i) / h_i$, the cubic on $[x_i, x_{i+1}]$
-# that has the values $f_i$, $f_{i+1}$ and the second derivatives $M_i$, $M_{i+1}$ at its ends is
+# The second approach starts from the pieces. On each interval the spline is a cubic polynomial, so
+# its second derivative is linear, and $s''$ is a broken line. Its values at the sites are called
+# the *moments* $M_i = s''(x_i)$, as in the theory of beams. With $h_i = x_{i+1} - x_i$ and
+# $u = (x - x_i) / h_i$, the cubic polynomial on $[x_i, x_{i+1}]$ with the values $f_i$, $f_{i+1}$
+# and the second derivatives $M_i$, $M_{i+1}$ at the ends is
 #
 # $$ s(x) = (1-u)\, f_i + u\, f_{i+1} +
 #    \frac{h_i^2}{6} \Bigl( \bigl[(1-u)^3 - (1-u)\bigr] M_i + \bigl[u^3 - u\bigr] M_{i+1} \Bigr) .
@@ -233,23 +283,24 @@ def the_rod(height):
 #    \frac{f_{i+1} - f_i}{h_i} - \frac{f_i - f_{i-1}}{h_{i-1}}, \qquad i = 2, \dots, N - 1,
 #    \tag{10.7} $$
 #
-# and natural means $M_1 = M_N = 0$.
+# and the natural spline has $M_1 = M_N = 0$. In the worked example there is one equation,
+# $\tfrac23 M_2 = -1 - 1$, so $M_2 = -3$. Indeed $s''(1) = 6 \cdot (-\tfrac12) = -3$.
 #
 # ### 10.3 The moments
 #
-# Write the system and solve it. From here on the sites ascend. With two sites only, there is
-# nothing to bend.
+# Write a function that solves this *tridiagonal system*. From here on the sites are in ascending
+# order. With two sites only, all moments are zero.
 #
 # <details><summary>Hint</summary>
 #
 # Begin with an identity matrix and zeros on the right side: then the first and the last row are
-# done. Each of the others has three entries. Differentiate (10.6) at $u = 0$ and $u = 1$ to see
-# where (10.7) comes from.
+# complete. Each of the other rows has three entries. Differentiate (10.6) at $u = 0$ and $u = 1$ to
+# derive (10.7).
 #
 # </details>
 
 
-# %% question="10.3"
+# %% question="10.3" minutes=20
 def moments(sites, values):
     """Return M of (10.7), of shape (N,), for ascending sites (N,) and values (N,), N >= 2."""
     # BEGIN SOLUTION
@@ -269,23 +320,24 @@ check("10.3")
 # %% [markdown]
 # ### 10.4 The pieces
 #
-# Evaluate the spline at any places: (10.6) on the interval in which each place lies, and outside
-# the straight lines that continue the first and the last piece with their value and slope.
+# Write a function that evaluates the spline at any points, in any order: by (10.6) on the interval
+# of each point, and outside by the tangents at the first and the last site. The argument `bends`
+# contains the moments of the spline through the values.
 #
 # <details><summary>Hint</summary>
 #
-# `np.searchsorted` finds the interval. For places outside take the first interval or the last: $u$
-# is then below 0 or above 1. What becomes of (10.6) there, if the powers $u^3$ and $(1-u)^3$ are
-# replaced by truncated ones, $u_+^3$ and $(1-u)_+^3$? Remember $M_1 = M_N = 0$.
+# `np.searchsorted` finds the interval. For points outside take the first or the last interval: $u$
+# is then below 0 or above 1. Now replace the powers $u^3$ and $(1-u)^3$ of (10.6) by the truncated
+# powers $u_+^3$ and $(1-u)_+^3$. What remains outside? Remember that $M_1 = M_N = 0$.
 #
 # </details>
 
 
-# %% question="10.4"
+# %% question="10.4" minutes=20
 def piecewise(sites, values, bends, x):
-    """Return s at places x (K,), inside by (10.6), straight outside.
+    """Return s at points x (K,) in any order: inside by (10.6), straight outside.
 
-    bends (N,) are the moments, zero at both ends.
+    bends (N,) are the moments of the spline through the values, zero at both ends.
     """
     # BEGIN SOLUTION
     i = np.clip(np.searchsorted(sites, x) - 1, 0, len(sites) - 2)
@@ -313,13 +365,13 @@ def beyond_the_pins(reach):
     with figure(6.4, 3.2) as page:
         left, right = page.subplots(1, 2)
         left.plot(side, curve, color=BLUE, label="natural spline")
-        for first, way in ((0, side < pins[0]), (-2, side > pins[-1])):
+        for first, outside in ((0, side < pins[0]), (-2, side > pins[-1])):
             start, end = pins[first], pins[first + 1]
             four = np.linspace(start, end, 4)
             cubic = np.polynomial.Polynomial.fit(four, piecewise(pins, heights, bends, four), 3)
             left.plot(
-                side[way],
-                cubic(side[way]),
+                side[outside],
+                cubic(side[outside]),
                 color=ORANGE,
                 ls="--",
                 label="cubic continued" if first else None,
@@ -327,7 +379,7 @@ def beyond_the_pins(reach):
         left.plot(pins, heights, "o", color="black", ms=4)
         left.set(
             xlabel="$x$",
-            title=f"two routes differ by {np.abs(curve - other).max():.0e}",
+            title=f"the two forms differ by {np.abs(curve - other).max():.0e}",
             ylim=(-6, 6),
         )
         left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2, fontsize=9)
@@ -339,32 +391,140 @@ def beyond_the_pins(reach):
 
 
 # %% [markdown]
-# **What to look at.** The curve by distances and the curve by pieces are one curve, up to rounding.
-# Programs that only set $M_1 = M_N = 0$ and let the outer cubics run on (dashed) agree inside, and
-# leave outside: that is no natural spline any more. On the right is the second derivative: a broken
-# line, zero at both ends. Its *slope*, the third derivative, jumps at every site, at the first and
-# the last as well.
+# **What to look at.** The curve by distances and the curve by pieces are the same curve, up to
+# rounding. A program that sets $M_1 = M_N = 0$ and continues the outer cubics (dashed) is right
+# between the sites. Outside it is wrong: a natural spline is straight there. The right panel shows
+# the second derivative, a broken line that is zero at both ends. Its slope is the third derivative,
+# which jumps at every site, including the first and the last.
 #
-# The jump tells the way back. A term $\alpha_j (x - x_j)_+^3$ has the third derivative 0 to the
-# left of $x_j$ and $6 \alpha_j$ to the right, and no other term of (10.1) jumps there. So
+# The next picture returns to the eight pins of the beginning, with your spline.
+
+
+# %%
+@draw(height=Slider(-1, 2, -0.5, "height of the fourth pin"))
+def eight_pins(height):
+    pins = np.array([0.0, 0.9, 1.7, 3.0, 3.8, 5.1, 6.0, 7.0])
+    heights = np.array([0.2, 0.9, 0.5, height, 1.0, 0.1, 0.3, 0.9])
+    side = np.linspace(-0.6, 7.6, 400)
+    inside = np.linspace(0, 7, 400)
+    with figure(6.4, 2.8) as page:
+        axes = page.subplots()
+        polynomial = np.polynomial.Polynomial.fit(pins, heights, 7)
+        axes.plot(inside, polynomial(inside), color=ORANGE, lw=1, label="polynomial")
+        spline = piecewise(pins, heights, moments(pins, heights), side)
+        axes.plot(side, spline, color=BLUE, lw=2.2, label="your spline")
+        axes.plot(pins, heights, "o", color="black", label="pins")
+        axes.set(xlabel="$x$", ylabel="height", ylim=(-2, 3))
+        axes.legend(loc="lower center", ncols=3)
+    return page
+
+
+# %% [markdown]
+# ## Real data: carbon dioxide on Mauna Loa
+#
+# The next cell contains the weekly means of the carbon dioxide in the air of Mauna Loa, Hawaii,
+# from 1963 to 1965. Source: C. D. Keeling and T. P. Whorf, Carbon Dioxide Information Analysis
+# Center, US Department of Energy, 2004, as packed in statsmodels; in the public domain. Days count
+# from 1 January 1963. Some weeks are missing, among them 18 weeks in a row in spring 1964. The
+# picture uses every $n$-th week as a site and the other weeks to measure the error.
+
+
+# %%
+DAY = np.array(
+    """
+    4 11 18 25 32 39 53 60 67 74 81 88 95 102 109 116 130 137 144 151 158 165 172 179 186
+    193 200 207 214 221 228 235 242 249 256 263 270 277 284 291 298 305 312 319 333 340 347
+    354 361 368 375 382 515 522 543 550 557 564 571 578 592 599 606 613 620 627 634 641 648
+    655 662 669 676 683 690 697 704 711 718 725 732 739 746 753 760 767 774 781 788 795 802
+    809 816 823 830 837 844 851 858 865 872 879 886 893 900 907 914 921 928 935 942 949 956
+    963 970 977 984 991 998 1005 1012 1019 1026 1033 1040 1047 1054 1061 1068 1075 1082 1089
+    """.split(),
+    dtype=float,
+)
+CO2 = np.array(
+    """
+    318.5 318.7 318.9 318.8 318.7 318.9 319.3 319.3 319.7 319.8 320.3 320.2 320.3 320.9
+    322.0 321.9 321.9 322.2 322.2 322.3 322.0 321.8 320.8 320.4 320.1 319.8 319.5 319.0
+    318.6 318.2 317.7 317.1 316.4 316.8 315.9 316.0 315.9 316.2 315.6 316.1 316.3 316.6
+    316.8 317.1 317.5 318.0 318.2 318.5 318.7 319.0 319.4 319.8 322.0 322.0 321.5 321.1
+    319.9 320.2 320.0 319.1 318.6 318.2 318.1 317.4 316.5 315.5 317.0 316.9 316.5 316.8
+    317.0 317.6 317.7 317.6 317.5 318.1 318.4 318.5 318.9 318.9 319.0 319.1 319.1 319.7
+    320.1 320.2 320.1 320.7 320.8 321.0 320.9 320.4 321.4 321.9 322.2 322.1 321.8 322.4
+    322.2 321.9 321.6 322.2 321.8 321.7 321.7 321.9 321.9 321.8 321.7 320.4 319.4 319.4
+    318.0 318.8 318.7 318.3 318.0 318.2 316.8 316.6 317.2 317.8 317.5 317.6 318.3 319.2
+    318.9 319.1 319.0 319.3 319.3 319.7
+    """.split(),
+    dtype=float,
+)
+
+
+@draw(
+    step=Slider(2, 12, 8, "every n-th week", whole=True),
+    day=Slider(0, 900, 250, "from day", whole=True),
+)
+def mauna_loa(step, day):
+    used, held_out = DAY[::step], np.delete(np.arange(len(DAY)), np.s_[::step])
+    held_out = held_out[DAY[held_out] < used[-1]]
+    bends = moments(used, CO2[::step])
+
+    def spline(days):
+        return piecewise(used, CO2[::step], bends, days)
+
+    side = np.linspace(day, day + 190, 400)
+    exact = CO2[held_out]
+    curves = (
+        ("broken line", np.interp(DAY[held_out], used, CO2[::step]), GREEN),
+        ("natural spline", spline(DAY[held_out]), BLUE),
+    )
+    errors = {name: np.sqrt(np.mean((values - exact) ** 2)) for name, values, _ in curves}
+    whole = np.linspace(DAY[0], used[-1], 900)
+    with figure(6.8, 3.2) as page:
+        axes, detail = page.subplots(1, 2, width_ratios=(1.5, 1), sharey=True)
+        for panel, days in ((axes, whole), (detail, side)):
+            panel.plot(days, np.interp(days, used, CO2[::step]), color=GREEN, lw=1, ls="--")
+            panel.plot(days, spline(days), color=BLUE)
+            panel.plot(DAY[held_out], exact, ".", color=GREY, ms=4, label="held out")
+            panel.plot(used, CO2[::step], "o", color="black", ms=4, label="sites")
+            panel.set(xlabel="day")
+        axes.axvspan(382, 515, color=GREY, alpha=0.15, lw=0)
+        axes.set(ylabel="carbon dioxide [ppm]", ylim=(314, 325))
+        axes.set_title(", ".join(f"{name} {e:.2f} ppm" for name, e in errors.items()), loc="left")
+        detail.set(xlim=(day, day + 190), title="detail")
+        axes.legend(loc="upper left", ncols=2)
+    return page
+
+
+# %% [markdown]
+# **What to look at.** With every eighth week the spline is more accurate than the broken line,
+# because the seasons are a smooth curve. With every second week it is less accurate. The
+# measurements have errors of about 0.3 ppm, and an interpolating spline reproduces them and
+# oscillates. Such data need smoothing. In the gap of 1964 the curve is only a guess: nothing in the
+# data determines its height there.
+#
+# ## Jumps of the third derivative
+#
+# The jumps of the third derivative lead back to (10.1). A term $\alpha_j (x - x_j)_+^3$ has the
+# third derivative 0 to the left of $x_j$ and $6 \alpha_j$ to the right, and no other term of (10.1)
+# jumps there. So
 #
 # $$ \alpha_j = \tfrac16 \bigl( s'''(x_j^+) - s'''(x_j^-) \bigr), \tag{10.8} $$
 #
-# and the line $\beta_0 + \beta_1 x$ is the curve before the first site.
+# and the line $\beta_0 + \beta_1 x$ is the curve before the first site. In the worked example
+# $s''' = 0, -3, 3, 0$ on the four intervals, with the jumps $-3, 6, -3$.
 #
 # ### 10.5 Back to truncated powers
 #
-# Write $\alpha$ and $\beta$ of (10.1), from the values and the moments.
+# Write a function that returns $\alpha$ and $\beta$ of (10.1) from the values and the moments.
 #
 # <details><summary>Hint</summary>
 #
-# On one interval $s''$ goes from $M_i$ to $M_{i+1}$ in a straight line: what is its slope? Outside
-# it is zero. For the line, differentiate (10.6) at the left end of the first interval.
+# On one interval $s''$ is linear, from $M_i$ to $M_{i+1}$: what is its slope? Outside it is zero.
+# For the line, differentiate (10.6) at the left end of the first interval.
 #
 # </details>
 
 
-# %% question="10.5"
+# %% question="10.5" minutes=15
 def truncated(sites, values, bends):
     """Return α and β of (10.1), of shapes (N,) and (2,).
 
@@ -387,7 +547,7 @@ check("10.5")
 @draw()
 def round_trip():
     pins, heights = data("10.3")
-    way = from_truncated(pins, *truncated(pins, heights, moments(pins, heights)))
+    converted = from_truncated(pins, *truncated(pins, heights, moments(pins, heights)))
     direct = radial_spline(pins, heights)
     with figure(6.4, 2.5) as page:
         axes = page.subplots()
@@ -398,7 +558,7 @@ def round_trip():
         )
         axes.plot(
             names,
-            np.concatenate(way),
+            np.concatenate(converted),
             "x",
             color=ORANGE,
             label="moments, truncated powers, distances",
@@ -409,39 +569,42 @@ def round_trip():
 
 
 # %% [markdown]
-# **What to look at.** Every cross in its circle: from the moments by way of truncated powers you
-# arrive at the solution of (10.5). One route costs a full system of $N + 2$ equations, the other
-# three numbers in each row. For a hundred thousand pins only the second one is possible.
+# **What to look at.** Each cross lies in its circle: the moments, the truncated powers and the
+# distances lead to the solution of (10.5). The system (10.5) has a full matrix with $N + 2$ rows,
+# the system (10.7) has three numbers in each row. For a hundred thousand pins only (10.7) is
+# practical.
 
 # %% [markdown]
-# ## The least bending
+# ## The bending energy
 #
-# The *energy* of a curve is
+# The *bending energy* of a curve is, for small slopes and up to a factor,
 #
 # $$ E(f) = \int f''(x)^2\, dx . \tag{10.9} $$
 #
-# Of all curves through the pins the natural spline has the least. More precisely, if $f$ goes
-# through the same values as the spline $s$, then
+# Among all curves through the pins the natural spline has the smallest bending energy. More
+# precisely, if $f$ has the same values at the sites as the spline $s$, then
 #
-# $$ \int (f'' - s'')\, s''\, dx = 0, \qquad \text{hence} \qquad E(f) = E(s) + E(f - s) ,
+# $$ \int (f'' - s'')\, s''\, dx = 0, \qquad \text{hence} \qquad E(f) = E(s) + E(f - s) .
 #    \tag{10.10} $$
 #
-# a theorem of Pythagoras for curves.
+# This is the theorem of Pythagoras in a space of functions, also called the *minimal norm
+# property*.
 #
 # ### 10.6 The energy of the spline
 #
-# Write $E(s)$ from the moments, exactly: $s''$ is a broken line, and its square a parabola on each
-# interval.
+# Write a function that computes $E(s)$ exactly from the moments: $s''$ is a broken line, and its
+# square is a parabola on each interval. In the worked example the moments are $0, -3, 0$, and
+# $E(s) = 3 + 3 = 6$.
 #
 # <details><summary>Hint</summary>
 #
-# On an interval of the length $h$ on which $s''$ goes from $p$ to $q$: what is $h \int_0^1
-# \bigl((1-u)\, p + u\, q\bigr)^2 du$?
+# On an interval of length $h$ let $s''$ be linear from $p$ to $q$. What is
+# $h \int_0^1 \bigl((1-u)\, p + u\, q\bigr)^2 du$?
 #
 # </details>
 
 
-# %% question="10.6"
+# %% question="10.6" minutes=10
 def energy(sites, bends):
     """Return E of (10.9), a number, for ascending sites (N,) and the moments at them (N,)."""
     # BEGIN SOLUTION
@@ -486,27 +649,32 @@ def pythagoras(size):
 
 
 # %% [markdown]
-# **What to look at.** The orange curve goes through all pins, with a wave added that is zero at
-# each. Its energy is a parabola in the size of the wave, and its lowest point touches your number,
-# exactly where nothing is added. By (10.10) it has no linear part, whatever wave one takes.
+# **What to look at.** The orange curve passes through all pins: it is the spline plus a wave that
+# is zero at each pin. Its energy is a quadratic function of the size of the wave. The minimum is at
+# the size 0, and its value must be your number. By (10.10) the quadratic function has no linear
+# term, for any wave.
 
 # %% [markdown]
-# ## Local after all
+# ## B-splines
 #
-# The bump $\lvert x - x_j \rvert^3$ reaches everywhere and grows. But sums of a few of them vanish
-# outside a few intervals. These are the *B-splines*. Let $t_1 \leq t_2 \leq \dots \leq t_n$
-# be *knots*. For the degree 0
+# The function $\lvert x - x_j \rvert^3$ is nonzero almost everywhere, and it grows. But some linear
+# combinations of a few of them vanish outside a few intervals. These are the *B-splines*. Let
+# $t_1 \leq t_2 \leq \dots \leq t_n$ be *knots*. For the degree 0
 #
 # $$ B_{i,0}(x) = \begin{cases} 1 & \text{for } t_i \leq x < t_{i+1}, \\ 0 & \text{otherwise,}
 #    \end{cases} \tag{10.11} $$
 #
-# and from one degree to the next
+# and from one degree to the next (the *Cox–de Boor recursion*)
 #
 # $$ B_{i,k}(x) = \frac{x - t_i}{t_{i+k} - t_i}\, B_{i,k-1}(x) +
 #    \frac{t_{i+k+1} - x}{t_{i+k+1} - t_{i+1}}\, B_{i+1,k-1}(x) . \tag{10.12} $$
 #
-# Knots may coincide; a quotient whose denominator is zero counts as zero. The next cell has such a
-# quotient. There are $n - k - 1$ B-splines of the degree $k$.
+# Knots may coincide; a quotient with the denominator zero counts as zero, as in the function of the
+# next cell. There are $n - k - 1$ B-splines of the degree $k$. By (10.11) all of them are zero at
+# the last knot, $x = t_n$.
+#
+# *Example.* For the knots $0, 1, 2$ the only B-spline of degree 1 is the hat function: $x$ on
+# $[0, 1)$ and $2 - x$ on $[1, 2)$.
 
 
 # %% tags=["setup"]
@@ -518,17 +686,19 @@ def quotient(top, bottom):
 # %% [markdown]
 # ### 10.7 B-splines
 #
-# Write all B-splines of a degree at once: a row for each place, a column for each $i$.
+# Write a function that returns all B-splines of a degree: a row for each point, a column for each
+# $i$.
 #
 # <details><summary>Hint</summary>
 #
-# Keep a list of arrays, one for each $i$. The list of degree 0 has $n - 1$ members; each step makes
-# a shorter one. Mind that indices begin at zero in NumPy. `np.stack` makes a matrix of a list.
+# Keep a list of arrays, one for each $i$. The list of degree 0 has $n - 1$ members, and each step
+# makes a list that is shorter by one. Indices begin at zero in NumPy. `np.stack` makes a matrix
+# from a list.
 #
 # </details>
 
 
-# %% question="10.7"
+# %% question="10.7" minutes=30 optional
 def b_splines(knots, degree, x):
     """Return B of (10.12), of shape (K, n - degree - 1), for knots (n,) and x (K,)."""
     # BEGIN SOLUTION
@@ -567,12 +737,13 @@ def bells(degree, knot):
 
 
 # %% [markdown]
-# **What to look at.** A B-spline of degree $k$ lives on $k + 1$ intervals, is never negative, and
-# wherever $k + 1$ of them meet their sum is one. Move the sixth knot onto its neighbour: at a
-# double knot a cubic spline has one derivative less. Try the degree 1 there.
+# **What to look at.** A B-spline of degree $k$ vanishes outside $k + 1$ intervals and is never
+# negative. Wherever $k + 1$ of them overlap, their sum is one. Move the sixth knot onto its
+# neighbour: at a double knot a cubic spline has only one continuous derivative. Try the degree 1
+# there.
 #
-# Locality shows in the rod as well. Here one value of many is changed by 1, and you see how much
-# the natural spline changes from interval to interval.
+# The natural spline is nearly local as well. In the next picture one of 21 values changes by 1, and
+# the curve is the change of the natural spline.
 
 
 # %%
@@ -600,121 +771,116 @@ def influence(which):
 
 
 # %% [markdown]
-# **What to look at.** From one pin to the next the influence falls to about a quarter: to $2 -
-# \sqrt{3} \approx 0.268$, to be precise. Where does that number come from? Put $M_i = z^i$ into
-# (10.7) with equal steps and zeros on the right side.
+# **What to look at.** From one pin to the next the influence decreases by the factor
+# $2 - \sqrt{3} \approx 0.268$. To derive this number, substitute $M_i = z^i$ into (10.7), with
+# equal steps and zeros on the right side.
 #
 # ## In words
 #
-# **10.8** Prove (10.10): that $\int (f'' - s'')\, s''\, dx = 0$ if $f$ and the natural spline $s$
-# have the same values at the sites, and $f$ is smooth. Where do you use that $s$ is *natural*, and
-# where that the values are the same? Conclude that no other curve through the pins bends as little.
+# **10.8** Prove (10.10): $\int (f'' - s'')\, s''\, dx = 0$ if $f$ is smooth and has the same values
+# at the sites as the natural spline $s$. Say where you use that $s$ is *natural*, and where you use
+# that the values agree.
 #
 # <details><summary>Hint</summary>
 #
-# Integrate by parts, interval by interval: $\int g'' s'' = [g' s''] - \int g' s'''$ with $g = f -
-# s$. What is $s'''$ on an interval? What becomes of the sum of the brackets?
+# Integrate by parts on each interval: $\int g'' s'' = [g' s''] - \int g' s'''$ with $g = f - s$.
+# What is $s'''$ on an interval? What is the sum of the brackets?
 #
 # </details>
 
-# %% [markdown] answer="10.8" points=4
-# Let $g = f - s$; it vanishes at all sites. On an interval $\int g'' s'' dx = [g' s''] - \int g'
-# s''' dx$.
+# %% [markdown] answer="10.8" points=4 minutes=10 words=50
+# Let $g = f - s$; it vanishes at all sites. On each interval
+# $\int g'' s'' dx = [g' s''] - \int g' s''' dx$.
 #
-# *The brackets.* $g'$ and $s''$ are continuous, so the brackets of neighbouring intervals cancel at
-# each inner site, and $g'(x_N) s''(x_N) - g'(x_1) s''(x_1)$ is left. Here it is used that $s$ is
-# natural: $s''$ is zero at both ends.
+# *Boundary terms.* $g'$ and $s''$ are continuous, so the brackets of neighbouring intervals cancel
+# at each inner site. The remainder is $g'(x_N) s''(x_N) - g'(x_1) s''(x_1)$. It vanishes because
+# $s$ is natural: $s''$ is zero at both ends.
 #
-# *The rest.* On an interval $s'''$ is constant, and $\int g' dx$ is the difference of $g$ at the
-# two ends, $0 - 0$: here it is used that the values are the same. Outside $s'' = 0$. So the
-# integral vanishes.
+# *Integrals.* On an interval $s'''$ is constant, and $\int g' dx$ is the difference of $g$ at its
+# ends. It vanishes because the values agree. Outside the sites $s'' = 0$. So the integral is zero.
 #
-# *Conclusion.* $f'' = s'' + g''$, and $E(f) = E(s) + 2 \int g'' s'' + E(g) = E(s) + E(g) \geq
-# E(s)$. Equality means $g'' = 0$: $g$ is a straight line that vanishes at $N \geq 2$ sites, so $g =
-# 0$ and $f = s$.
+# *Conclusion.* $f'' = s'' + g''$, and
+# $E(f) = E(s) + 2 \int g'' s'' + E(g) = E(s) + E(g) \geq E(s)$. Equality means $g'' = 0$: $g$ is a
+# straight line that vanishes at $N \geq 2$ sites, so $f = s$.
 
 # %% [markdown] rubric="10.8"
-# One point: integration by parts on each interval. One: the boundary terms cancel inside, and
-# vanish at the ends since s'' is zero there. One: the third derivative is constant on an interval,
-# the difference of g is zero. One: Pythagoras and uniqueness, with the argument that g is a line
-# with two zeros.
+# One point: integration by parts on each interval. One: the boundary terms cancel at inner sites.
+# One: they vanish at the ends since $s''$ is zero there, which is where *natural* is used. One: the
+# third derivative is constant on an interval and the difference of $g$ is zero, which is where the
+# values are used.
 
 # %% [markdown]
 # **10.9** A text says: a cubic spline is natural if and only if $s''(x_1) = s'''(x_1) = 0$ and
 # $s''(x_N) = s'''(x_N) = 0$. A student computes the third derivative just to the right of $x_1$,
-# finds 13759, and thinks that the program is wrong. Who is right? And what does a program lack that
-# only makes $s''(x_1) = s''(x_N) = 0$?
+# finds 13759, and concludes that the program is wrong. Is the student right? Explain what the text
+# must mean.
 #
 # <details><summary>Hint</summary>
 #
-# Look at the slope of the broken line on the right of the picture with the second derivative, on
-# both sides of the first pin.
+# In the picture with the second derivative, look at the slope of the broken line on both sides of
+# the first pin.
 #
 # </details>
 
-# %% [markdown] answer="10.9" points=3
-# Both, once it is said from which side. The third derivative of a cubic spline jumps at the sites,
-# so $s'''(x_1)$ has no meaning by itself. Before the first site the natural spline is straight, so
-# the limit from *outside* is zero, for the second and the third derivative; that is what the text
-# must mean. From inside $s'''(x_1^+) = M_2 / h_1$, which may be any number. If it were zero too,
-# the curve would be straight on the first interval as well.
+# %% [markdown] answer="10.9" points=3 minutes=10 words=70
+# No. The third derivative of a cubic spline jumps at the sites, so $s'''(x_1)$ is not defined by
+# itself. Before the first site the natural spline is straight, so the limits from *outside* are
+# zero, for the second and for the third derivative. This is what the text must mean. From inside
+# $s'''(x_1^+) = M_2 / h_1$, which may be any number. If it were zero too, the curve would be
+# straight on the first interval as well.
 #
-# $s'' = 0$ at both ends determines the curve between the sites: there such a program is right.
-# Outside it says nothing. If the outer cubic is simply continued, its second derivative grows from
-# zero on, with the slope $s'''$ of the inside, and the curve is no longer straight nor of finite
-# energy. One has to continue by the tangent.
+# (The conditions $s'' = 0$ at both ends determine the curve between the sites only. Outside, a
+# program must continue by the tangents; a continued cubic is not a natural spline.)
 
 # %% [markdown] rubric="10.9"
-# One point: the third derivative jumps at a site, the statement holds for the limit from outside.
-# One: inside it need not vanish, so the number is no error. One: s'' = 0 settles the inside only;
-# outside one must continue with straight lines, and a continued cubic is not natural.
+# One point: the third derivative jumps at a site, so the side matters. One: the statement of the
+# text holds for the limit from outside. One: from inside it is $M_2/h_1$ and need not vanish, so
+# the number is no error.
 
 # %% [markdown]
-# **10.10** Count: how many cubic splines are there for $N$ sites, in the sense of a dimension, and
-# how many of them are natural? Does the count hold for $N = 1$? And which sentence about the kernel
-# $r^3$ says that (10.5) has exactly one solution?
+# **10.10** What is the dimension of the space of cubic splines with $N$ sites, and of the subspace
+# of natural splines? Derive both numbers by counting coefficients and conditions, and say what is
+# different for $N = 1$.
 #
 # <details><summary>Hint</summary>
 #
-# A cubic on the left has four coefficients; at each site one more number is chosen, the jump of the
-# third derivative. How many conditions make the outer two pieces straight?
+# A cubic polynomial on the left has four coefficients. At each site one more number is free, the
+# jump of the third derivative. How many conditions make the outer two pieces straight?
 #
 # </details>
 
-# %% [markdown] answer="10.10" points=3
-# A cubic on the far left, four numbers, and at each site a truncated power with one factor: $N +
-# 4$. Straight on the left takes two conditions (no $x^2$, no $x^3$), straight on the right two
-# more, which are (10.2). So $N$ are left, as many as values, if the four conditions are
-# independent.
+# %% [markdown] answer="10.10" points=3 minutes=10 words=70
+# A cubic polynomial before the first site has four coefficients, and each site adds a truncated
+# power with one coefficient: $N + 4$. A straight line on the left takes two conditions (no $x^2$,
+# no $x^3$). A straight line on the right takes two more, which are (10.2). If the four conditions
+# are independent, the dimension is $N$, the number of values.
 #
-# For $N = 1$ they are not. (10.2) reads $\alpha_1 = 0$ and $\alpha_1 x_1 = 0$, the same condition
-# twice; the natural splines are the straight lines, of dimension two and not one, and there are
-# many through one pin. One needs $N \geq 2$.
-#
-# $r^3$ is conditionally positive definite of order two: the form $\mathbf{a}^T \mathbf{A}
-# \mathbf{a}$ is positive for all $\mathbf{a} \neq \mathbf{0}$ that satisfy the two side conditions,
-# and two distinct sites are enough to determine a polynomial of degree one. Then the system has one
-# solution for all values. Here the form has a meaning too: $E(s) = 12\,
-# \mathbf{a}^T\mathbf{A}\,\mathbf{a}$.
+# For $N = 1$ they are not independent: (10.2) is $\alpha_1 = 0$ and $\alpha_1 x_1 = 0$, the same
+# condition twice. The natural splines are the straight lines, of dimension two, and many of them
+# pass through one pin. So $N \geq 2$ is needed.
 
 # %% [markdown] rubric="10.10"
-# One point: N + 4 and N, with a reason. One: N = 1 fails, as the conditions depend on each other
-# (or: all lines are natural splines). One: order two (positive form on the side conditions) and
-# sites that determine a line.
+# One point for $N + 4$ with a reason. One for $N$ with the four conditions. One for $N = 1$: the
+# conditions depend on each other (or: all straight lines are natural splines).
 
 # %% [markdown]
 # ## Dig deeper
 #
 # - Show that $E(s) = 12\, \mathbf{a}^T\mathbf{f}$, first by numbers, then by (10.8) and integration
 #   by parts.
-# - Interpolate $\sin x$ on $[0, 3]$ with 10, 20, 40, 80 sites. How does the largest error fall, in
-#   the middle and near the ends? Where does the natural spline lose, and why?
-# - For every number $y$, Marsden's identity says that $(y - x)^k$ is the sum of $B_{i,k}(x)$ times
-#   $(y - t_{i+1}) \cdots (y - t_{i+k})$. Try it. What does it say for the highest power of $y$?
-# - A box, smeared out by a box of the same width, is a B-spline of degree 1 on whole numbers; and
-#   so on. Do it with `np.convolve`, and compare with your `b_splines`.
-# - Write `moments` without a full matrix, in a number of steps proportional to $N$. How many pins
-#   can you take now?
+# - Which theorem on the kernel $r^3$ says that (10.5) has exactly one solution? Use the order of
+#   $r^3$ and (10.2).
+# - Interpolate $\sin x$ on $[0, 3]$ with 10, 20, 40, 80 sites. How does the largest error decrease,
+#   in the middle and near the ends? Where is the natural spline less accurate, and why?
+# - *Marsden's identity* says that for every number $y$, $(y - x)^k$ is the sum of $B_{i,k}(x)$
+#   times $(y - t_{i+1}) \cdots (y - t_{i+k})$. Test it. What does it say for the highest power of
+#   $y$?
+# - The convolution of a box function with a box of the same width is a B-spline of degree 1 on
+#   whole numbers, and so on. Compute it with `np.convolve`, and compare with your `b_splines`.
+# - Write `moments` without a full matrix, with a number of operations proportional to $N$ (Thomas
+#   algorithm). How many pins are possible now?
+#
+# **Next**: notebook 12 couples a structure and a flow by such interpolants.
 
 # %%
 progress()

@@ -1,5 +1,10 @@
 # ---
 # jupyter:
+#   course:
+#     builds_on:
+#       "03": the saddle-point system, and the gradient of a radial basis function
+#     pages: book, section 1.1
+#     chapters: [31-surfaces]
 #   jupytext:
 #     text_representation:
 #       extension: .py
@@ -13,13 +18,21 @@
 # %% [markdown]
 # # Surfaces from point clouds
 #
-# A scanner measures points on a body, and nothing else: no triangles, no inside and outside, no
-# order. By the end of this notebook you have found a function $F$ whose zero level runs through the
-# points, positive inside and negative outside, and you have drawn it. Everything works in the
-# plane, where pictures are clear, and in space without a change.
+# A scanner measures points on the surface of a body. It measures neither triangles nor normals, and
+# it does not say which side is inside. In this notebook you construct a function $F$ whose zero
+# level passes through the points. $F$ is positive inside the body and negative outside. This is
+# *surface reconstruction by an implicit function*.
 #
-# The road has four stations: normals, their signs, points beside the surface, and interpolation.
-# Eight functions.
+# The method has four steps: estimate normals, orient them, add points beside the surface, and
+# interpolate with radial basis functions. Your functions work in the plane, where
+# pictures are clear, and in space without a change. At the end you reconstruct an asteroid from
+# points measured by radar.
+#
+# **Sources.** Wendland, *Scattered Data Approximation* (2005), pages 2–4; Hoppe and others (1992)
+# and Carr and others (2001) below. Search for: principal component analysis, covariance matrix,
+# minimum spanning tree, Prim's algorithm, signed distance, implicit surface, marching squares.
+# Notebook 14 finds the errors in triangulated surfaces of such bodies. Numbers in brackets, such
+# as (11.1), belong to formulas; numbers without brackets belong to questions.
 
 # %% tags=["setup"]
 import numpy as np
@@ -30,6 +43,7 @@ from fieldcheck import (
     ORANGE,
     PURPLE,
     Slider,
+    case,
     check,
     data,
     draw,
@@ -37,6 +51,7 @@ from fieldcheck import (
     progress,
     start_over,
 )
+from fieldcheck.datasets import kleopatra
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
@@ -44,7 +59,8 @@ SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 def augmented(points, normals, lengths):
     """Return sites (3N, D) and values (3N,): the points, those outside, those inside.
 
-    Lengths (N, 2) tell how far beside each point they are.
+    Column 0 of the lengths (N, 2) holds the distance outside of each point, column 1 the one
+    inside.
     """
     outer, inner = lengths[:, :1], lengths[:, 1:]
     sites = np.concatenate([points, points + outer * normals, points - inner * normals])
@@ -52,14 +68,14 @@ def augmented(points, normals, lengths):
 
 
 # %% [markdown]
-# The next cell makes clouds and draws them. Run it; you need not read it.
+# The next cell makes point clouds and draws them. Run it; you need not read it.
 
 # %%
-from fieldcheck.questions.q11_point_clouds import OBLIQUE, horseshoe, outward, torus
+from fieldcheck.questions.q11_point_clouds import horseshoe, outward
 
 
 def cloud(n, noise=0.0, seed=5):
-    """Return n points of a horseshoe, off by some noise."""
+    """Return n points of a horseshoe with normally distributed errors."""
     random = np.random.default_rng(seed)
     return horseshoe(random, n, 0.2) + noise * random.normal(size=(n, 2))
 
@@ -78,25 +94,23 @@ def draw_normals(axes, points, normals, length=0.22, color=BLUE, both=False):
 
 
 def draw_pieces(axes, ends, **style):
-    """Draw lines from point to point, given their ends (K, 2, 2)."""
+    """Draw line segments with the ends (K, 2, 2)."""
     if len(ends):
         gaps = np.insert(np.asarray(ends, dtype=float), 2, np.nan, axis=1)
         axes.plot(*gaps.reshape(-1, 2).T, zorder=2, **style)
 
 
 def lattice(n, size=1.9):
-    """Return the nodes of a grid of n × n squares about the origin, row by row, (n + 1, n + 1,
-    2).
-    """
+    """Return the nodes of a grid of n × n squares about the origin, of shape (n + 1, n + 1, 2)."""
     side = np.linspace(-size, size, n + 1)
     return np.stack(np.meshgrid(side, side), axis=-1)
 
 
 # %% [markdown]
-# ## The problem in a picture
+# ## Point clouds with and without noise
 #
-# Points of a closed curve. Where does it run, and where is inside? With how few points do you still
-# see it?
+# The points lie on a closed curve. Reduce their number: with how few points do you still recognise
+# the curve?
 
 
 # %%
@@ -106,44 +120,78 @@ def problem(points):
         left, right = page.subplots(1, 2)
         draw_cloud(left, cloud(points))
         draw_cloud(right, cloud(points, 0.03))
-        left.set(title="exact")
-        right.set(title="as a scanner has them")
+        left.set(title="exact points")
+        right.set(title="measured points, with noise")
     return page
 
 
 # %% [markdown]
-# Whoever sees the curve joins points to their neighbours. Near a point a smooth curve looks like a
-# straight line, and a smooth surface like a plane. That is the first station.
+# ## Normals by principal component analysis
 #
-# ## Normals
-#
-# Let $N(i)$ be the $K$ points nearest to $\mathbf{p}_i$, itself among them. Their centre and the
-# matrix of their variances are
+# Near a point, a smooth curve looks like a straight line and a smooth surface like a plane. So we
+# fit a line or plane to the neighbours of each point. Let $N(i)$ be the $K$ points nearest to
+# $\mathbf{p}_i$, including $\mathbf{p}_i$ itself. Their mean and their *covariance matrix* are
 #
 # $$ \mathbf{m}_i = \frac1K \sum_{j \in N(i)} \mathbf{p}_j , \qquad
-#    \mathbf{C}_i = \sum_{j \in N(i)} (\mathbf{p}_j - \mathbf{m}_i)(\mathbf{p}_j - \mathbf{m}_i)^T .
-#    \tag{11.1} $$
+#    \mathbf{C}_i = \frac1K \sum_{j \in N(i)} (\mathbf{p}_j - \mathbf{m}_i)(\mathbf{p}_j -
+#    \mathbf{m}_i)^T . \tag{11.1} $$
 #
-# $\mathbf{C}_i$ has $D$ eigenvalues $\lambda_1 \ge \dots \ge \lambda_D \ge 0$: the variances along
-# its eigenvectors. Across a line or plane through the neighbours there is the least variance. So
-# the normal $\mathbf{n}_i$ is the unit eigenvector that belongs to $\lambda_D$. Its sign is open.
-# The *planarity*
+# The eigenvalues $\lambda_1 \ge \dots \ge \lambda_D \ge 0$ of $\mathbf{C}_i$ are the variances of
+# the neighbours along its eigenvectors. The variance is smallest across the fitted line or plane.
+# Therefore the normal $\mathbf{n}_i$ is the unit eigenvector for $\lambda_D$, with either sign.
+# This is *principal component analysis* (PCA). The *planarity*
 #
 # $$ q_i = 1 - \lambda_D / \lambda_{D-1} \tag{11.2} $$
 #
-# is one if the neighbours lie in a plane, and zero if no plane is better than another.
+# is 1 if the neighbours lie exactly in a line or plane. It is 0 if no direction is preferred.
 #
+# **Example.** Three neighbours in the plane are $(-2, 1)$, $(1, -2)$ and $(4, 1)$. Their mean is
+# $(1, 0)$, and the offsets from the mean are $(-3, 1)$, $(0, -2)$ and $(3, 1)$. Hence
+#
+# $$ \mathbf{C} = \frac13 \begin{bmatrix} 9 + 0 + 9 & -3 + 0 + 3 \\ -3 + 0 + 3 & 1 + 4 + 1
+#    \end{bmatrix} = \begin{bmatrix} 6 & 0 \\ 0 & 2 \end{bmatrix} . $$
+#
+# The smaller eigenvalue is 2, with the eigenvector $\mathbf{n} = (0, 1)$. The planarity is
+# $1 - 2/6 = 2/3$. The next cell computes the same numbers.
+
+# %%
+example = np.array([[-2.0, 1.0], [1.0, -2.0], [4.0, 1.0]])
+covariance = np.cov(example.T, bias=True)  # bias: divided by K, not by K − 1
+print(covariance)
+print(*np.linalg.eigh(covariance), sep="\n")
+
+# %% [markdown]
+# The next function is finished. It shows the form that the functions of this notebook can have: a
+# docstring with the shapes, an empty array, and a loop over the points.
+
+
+# %%
+def spacing(points):
+    """Return the distance of each point to its nearest neighbour, (N,), for points (N, D)."""
+    gaps = np.zeros(len(points))
+    for i, p in enumerate(points):
+        others = np.delete(points, i, axis=0)
+        gaps[i] = np.linalg.norm(others - p, axis=1).min()
+    return gaps
+
+
+print(spacing(example))
+
+# %% [markdown]
 # ### 11.1 Normals and planarity
+#
+# Return the normals and the planarity of all points. All eigenvalues but the smallest are positive.
 #
 # <details><summary>Hint</summary>
 #
-# Point by point. `np.argsort` of the distances gives the nearest first. `np.linalg.eigh` returns
-# eigenvalues, the least first, and eigenvectors as *columns*.
+# Go point by point, as `spacing` does. `np.argsort` of the distances gives the nearest points
+# first. `np.linalg.eigh` returns the eigenvalues in increasing order, and the eigenvectors as
+# *columns*.
 #
 # </details>
 
 
-# %% question="11.1"
+# %% question="11.1" minutes=25
 def normals(points, k):
     """Return unit normals (N, D), of any sign, and q of (11.2), (N,), for points (N, D)."""
     # BEGIN SOLUTION
@@ -176,33 +224,33 @@ def estimated(k, noise):
         good = planarity > 0.75
         draw_normals(left, points[good], n[good], 0.12, BLUE, both=True)
         draw_normals(left, points[~good], n[~good], 0.12, ORANGE, both=True)
-        left.set(title="blue: planarity above ¾")
+        left.set(title="blue: planarity above 0.75")
         right.plot(planarity, angle, "o", ms=3.5, color=PURPLE)
         right.set(xlabel="planarity", ylabel="error of the normal in degrees", xlim=(-0.03, 1.03))
-        right.set(ylim=(-3, 93), title=f"in the mean {angle.mean():.1f}°")
+        right.set(ylim=(-3, 93), title=f"mean error {angle.mean():.1f}°")
     return page
 
 
 # %% [markdown]
-# **What to look at.** Few neighbours see the noise, many see round the corner. There is a best
-# number between, and it grows with the noise. A small planarity warns. A large one promises little:
-# where the curve begins to bend, the neighbours may lie close to a line that is not the tangent
-# (dots high up, on the right).
+# **What to look at.** With few neighbours the normals follow the noise. With many neighbours the
+# fitted line cuts across bends. The best $K$ lies between, and it grows with the noise. A small
+# planarity is a warning. A large planarity is no guarantee: where the curve begins to bend, the
+# neighbours can lie close to a line that is not the tangent (dots high up on the right).
 #
-# ## Neighbours
+# ## The neighbourhood graph
 #
-# The normals have lines and no arrows yet. Neighbours should agree: the idea is to begin at one
-# point, and to hand the sign on from neighbour to neighbour. "$j$ is among the $K$ nearest of $i$"
-# does not go both ways: a lonely point has neighbours to whom it is none. So points are *linked* if
-# one of the two holds,
+# PCA leaves the sign of each normal open. Neighbouring normals should agree in sign, so a sign can
+# be passed from neighbour to neighbour. The relation "$j$ is among the $K$ nearest points of $i$"
+# is not symmetric: an isolated point is not among the neighbours of its own neighbours. Therefore
+# two points are *linked* if at least one of them is among the nearest points of the other:
 #
 # $$ g_{ij} = 1 \iff i \neq j \text{ and } \big( j \in N(i) \text{ or } i \in N(j) \big). \tag{11.3}
 #    $$
 #
-# ### 11.2 The graph
+# ### 11.2 Neighbourhood graph
 
 
-# %% question="11.2"
+# %% question="11.2" minutes=15
 def linked(points, k):
     """Return g of (11.3), zeros and ones of shape (N, N), for points (N, D)."""
     # BEGIN SOLUTION
@@ -218,39 +266,102 @@ def linked(points, k):
 check("11.2")
 
 # %% [markdown]
-# ## Orientation
+# ## Orientation along a minimum spanning tree
 #
-# Over which link can a sign be handed on? Two normals that are nearly parallel leave no doubt. If
-# they stand at right angles the sign is a guess. So let a link cost
+# Which links are safe for passing a sign? If two normals are nearly parallel, there is no doubt. If
+# they are perpendicular, the sign is a guess. So each link costs
 #
 # $$ w_{ij} = 1 - | \mathbf{n}_i^T \mathbf{n}_j | , \tag{11.4} $$
 #
-# which does not depend on the signs, and take the cheapest links that connect all points:
-# the *minimum spanning tree*. Along it the signs go: if $\mathbf{n}_i^T \mathbf{n}_j < 0$ the new
-# one is turned round.
+# which does not depend on the signs. We choose the links that connect all points at the smallest
+# total cost: the *minimum spanning tree*. A sign is passed along a link of the tree as follows: if
+# $\mathbf{n}_i^T \mathbf{n}_j < 0$, where $\mathbf{n}_i$ is already oriented, then $\mathbf{n}_j$
+# is inverted. Hoppe and others published the method (*Surface reconstruction from unorganized
+# points*, SIGGRAPH 1992).
 #
-# The tree grows from one point. At each step, of all links from the tree to a point outside of it,
-# take the cheapest. And the first sign? At the *highest* point, that with the greatest last
-# coordinate, the outward normal points upward: its last component is positive. If links do not
-# reach all points there are several parts, and each begins anew at its highest point.
+# **Prim's algorithm** grows the tree from one point. In each step it takes the cheapest of all
+# links from a point in the tree to a point outside the tree. The first point is the *highest* one,
+# with the largest last coordinate: there the outward normal points upward, so its last component
+# is positive. If no link leads out of the tree, the graph has several components. Then the highest
+# of the remaining points begins the next tree in the same way.
 #
-# ### 11.3 Orient
+# **Example.** Five points of a circle of radius 2, with outward normals $\mathbf{p}/2$, except that
+# the normals of the points 1 and 3 are inverted:
 #
-# You are given the normals, and the links as an array of ones and zeros.
+# | point | $\mathbf{p}$ | given normal | outward? |
+# |---|---|---|---|
+# | 0 | $(0, 2)$ | $(0, 1)$ | yes |
+# | 1 | $(1.2, 1.6)$ | $(-0.6, -0.8)$ | no |
+# | 2 | $(2, 0)$ | $(1, 0)$ | yes |
+# | 3 | $(1.6, -1.2)$ | $(-0.8, 0.6)$ | no |
+# | 4 | $(0, -2)$ | $(0, -1)$ | yes |
 #
-# <details><summary>Hint</summary>
+# The links and their costs (11.4) are 0–1: 0.2, 1–2: 0.4, 2–3: 0.2, 3–4: 0.4, and three longer
+# links 0–2, 1–3 and 2–4: each 1. Prim's algorithm begins at point 0, the highest point.
 #
-# Keep for each point outside of the tree the least cost of a link to the tree, infinite at first,
-# and where that link begins. When a point joins the tree, update both for the points that it is
-# linked to. If the least of all costs is infinite, a new part begins. `np.where(outside, cost,
-# np.inf)` hides the points that have joined.
+# | step | links out of the tree | cheapest | product with the oriented normal | result |
+# |---|---|---|---|---|
+# | 1 | 0–1: 0.2, 0–2: 1 | 0–1 | $-0.8$ | invert 1 |
+# | 2 | 1–2: 0.4, 0–2: 1, 1–3: 1 | 1–2 | $0.6$ | keep 2 |
+# | 3 | 2–3: 0.2, 1–3: 1, 2–4: 1 | 2–3 | $-0.8$ | invert 3 |
+# | 4 | 3–4: 0.4, 2–4: 1 | 3–4 | $0.6$ | keep 4 |
+#
+# In step 2 the product uses $\mathbf{n}_1 = (0.6, 0.8)$, which has just been inverted. At the end
+# all normals are outward. The next cell computes the costs and draws the tree.
+
+# %% tags=["setup"]
+FIVE = np.array([[0, 2], [1.2, 1.6], [2, 0], [1.6, -1.2], [0, -2]])
+FIVE_GIVEN = FIVE / 2 * np.array([[1], [-1], [1], [-1], [1]])
+FIVE_LINKS = np.array(
+    [[0, 1, 1, 0, 0], [1, 0, 1, 1, 0], [1, 1, 0, 1, 1], [0, 1, 1, 0, 1], [0, 0, 1, 1, 0]]
+)
+
+# %%
+print(np.round(np.where(FIVE_LINKS > 0, 1 - np.abs(FIVE_GIVEN @ FIVE_GIVEN.T), np.nan), 2))
+
+
+@draw()
+def spanning_tree():
+    with figure(6.4, 2.9) as page:
+        panels = page.subplots(1, 2)
+        links = np.argwhere(np.triu(FIVE_LINKS))
+        tree = np.array([[0, 1], [1, 2], [2, 3], [3, 4]])
+        for axes, n, title in zip(panels, (FIVE_GIVEN, FIVE / 2), ("given", "oriented")):
+            draw_pieces(axes, FIVE[links], color=GREY, lw=0.8, ls=":")
+            draw_pieces(axes, FIVE[tree], color=ORANGE, lw=1.8)
+            draw_cloud(axes, FIVE, size=5)
+            for i, (p, m) in enumerate(zip(FIVE, n)):
+                axes.annotate("", p + 0.7 * m, p, arrowprops={"arrowstyle": "-|>", "color": BLUE})
+                beside_arrow = p + 0.15 * p + 0.18 * np.array([-p[1], p[0]])
+                axes.text(*beside_arrow, str(i), ha="center", va="center")
+            axes.set(xlim=(-0.6, 3.2), ylim=(-2.9, 2.9), title=f"{title} normals, and the tree")
+    return page
+
+
+# %% [markdown]
+# ### 11.3 Orientation
+#
+# The normals are given, and the links as an array of ones and zeros. Return the oriented normals.
+#
+# <details><summary>Hint 1</summary>
+#
+# Keep for each point outside the tree the smallest cost of a link to the tree, and the point of the
+# tree where that link begins. All costs are infinite at first. When a point joins the tree, update
+# both for the points linked to it, but only where the new link is *cheaper*.
+#
+# </details>
+# <details><summary>Hint 2</summary>
+#
+# `np.where(outside, cost, np.inf)` hides the points that have joined. If the smallest remaining
+# cost is infinite, a new component begins. Test your function first: `orient(FIVE, FIVE_GIVEN,
+# FIVE_LINKS)` must return `FIVE / 2`.
 #
 # </details>
 
 
-# %% question="11.3"
+# %% question="11.3" minutes=40
 def orient(points, normals, linked):
-    """Return the normals (N, D), each as it is or turned round, for points (N, D), links (N, N)."""
+    """Return the normals (N, D), each kept or inverted, for points (N, D) and links (N, N)."""
     # BEGIN SOLUTION
     n = normals.copy()
     outside = np.ones(len(points), dtype=bool)
@@ -291,39 +402,42 @@ def oriented(k):
         draw_cloud(right, points)
         draw_normals(right, points[right_way], arrows[right_way])
         draw_normals(right, points[~right_way], arrows[~right_way], color=ORANGE)
-        left.set(title="the graph, and normals of any sign")
+        left.set(title="graph, and normals of either sign")
         wrong = int((~right_way).sum())
         right.set(title="all outward" if wrong == 0 else f"{wrong} inward")
     return page
 
 
 # %% [markdown]
-# **What to look at.** With more neighbours links jump across the body, and across the gap. There
-# the normals are nearly parallel, so that these links are cheap, and they point in opposite
-# directions: the sign is handed on, and wrong. With too few, parts get lost.
+# **What to look at.** With more neighbours, links jump across the body and across the gap. There
+# the normals are nearly parallel, so these links are cheap. But the outward directions are
+# opposite, so the sign that is passed on is wrong.
 #
-# ## Points beside the surface
+# ## Off-surface points
 #
-# Now to the function. $F(\mathbf{p}_i) = 0$ at all points does not determine it: zero everywhere is
-# a solution. So points beside the surface are added, along the normals, with the distance as their
-# value, negative outside and positive inside:
+# The conditions $F(\mathbf{p}_i) = 0$ do not determine $F$, since $F = 0$ everywhere satisfies
+# them. Therefore we add *off-surface points* along the normals. Their values are signed distances,
+# negative outside and positive inside:
 #
 # $$ F(\mathbf{p}_i + \delta\, \mathbf{n}_i) = -\delta , \qquad F(\mathbf{p}_i - \delta'\,
 #    \mathbf{n}_i) = \delta' . \tag{11.5} $$
 #
-# How far? A point that is too far outside may be inside again, of another part of the body. There
-# is a simple test, of Carr and others: the point of the cloud *nearest* to the added point must be
-# its own, $\mathbf{p}_i$. If it is not, go half as far, and test again:
+# How large may $\delta$ be? An off-surface point that is too far outside may lie inside another
+# part of the body. Carr and others (*Reconstruction and representation of 3D objects with radial
+# basis functions*, SIGGRAPH 2001, pages 67–76) use a simple test: among all points of the cloud,
+# $\mathbf{p}_i$ must be the *nearest* to its own off-surface point. If it is not, halve the
+# distance and test again:
 #
-# $$ \delta = \Delta / 2^m \quad \text{with the least } m \ge 0 \text{ for which the test is
+# $$ \delta = \Delta / 2^m \quad \text{with the smallest } m \ge 0 \text{ for which the test is
 #    passed.} \tag{11.6} $$
 #
-# ### 11.4 How far
+# ### 11.4 Distances of the off-surface points
 #
-# Return the lengths $\delta$ and $\delta'$ for each point, each with a test of its own.
+# Return $\delta$ and $\delta'$ for each point. Each side has its own test. No two points of the
+# cloud are equal.
 
 
-# %% question="11.4"
+# %% question="11.4" minutes=20
 def off_surface(points, normals, distance):
     """Return δ outside and δ' inside by (11.6), of shape (N, 2), for points and normals (N, D)."""
     # BEGIN SOLUTION
@@ -341,31 +455,34 @@ def off_surface(points, normals, distance):
 check("11.4")
 
 # %% [markdown]
-# `augmented(points, normals, lengths)` is written for you. It returns all sites and their values:
-# the points with zero, then those outside, then those inside.
+# The function `augmented(points, normals, lengths)` at the top of the notebook is written for you.
+# It returns all sites and their values: first the points with the value zero, then the points
+# outside, then the points inside.
 #
-# ## Interpolation
+# ## Interpolation by radial basis functions
 #
-# The function is a sum of cubes of distances, with a linear one,
+# $F$ is a sum of cubed distances and a linear polynomial,
 #
 # $$ F(\mathbf{x}) = \sum_{j=1}^{n} \lambda_j \lVert \mathbf{x} - \mathbf{s}_j \rVert^3 + c_0 +
-#    \mathbf{c}^T \mathbf{x} . \tag{11.7} $$
+#    \mathbf{c}^T \mathbf{x} , \tag{11.7} $$
 #
-# $\mathbf{s}_1, \dots, \mathbf{s}_n$ are the sites, $f_j$ their values. With $\mathbf{A}_{ij} =
-# \lVert \mathbf{s}_i - \mathbf{s}_j \rVert^3$, and $\mathbf{P}$ with the rows $(1,
-# \mathbf{s}_j^T)$, the coefficients solve
+# with sites $\mathbf{s}_1, \dots, \mathbf{s}_n$ and values $f_1, \dots, f_n$. Let $\mathbf{A}_{ij}
+# = \lVert \mathbf{s}_i - \mathbf{s}_j \rVert^3$, and let $\mathbf{P}$ have the rows $(1,
+# \mathbf{s}_j^T)$. The coefficients solve the *saddle-point system*
 #
 # $$ \begin{bmatrix} \mathbf{A} & \mathbf{P} \\ \mathbf{P}^T & \mathbf{0} \end{bmatrix}
 #    \begin{bmatrix} \boldsymbol\lambda \\ \mathbf{c} \end{bmatrix} =
 #    \begin{bmatrix} \mathbf{f} \\ \mathbf{0} \end{bmatrix} , \tag{11.8} $$
 #
-# where $\mathbf{c}$ has $c_0$ as its first entry. The second row makes the system solvable, and
-# lets $F$ grow slowly far away.
+# where $c_0$ is the first entry of $\mathbf{c}$. The kernel $r^3$ is *conditionally positive
+# definite*: with the side conditions $\mathbf{P}^T\boldsymbol\lambda = \mathbf{0}$ the system has a
+# unique solution, provided the sites do not all lie in one plane (in the plane: on one line). It is
+# the same kind of system as in notebook 03.
 #
 # ### 11.5 The coefficients
 
 
-# %% question="11.5"
+# %% question="11.5" minutes=15
 def implicit(sites, values):
     """Return λ, (n,), and c = (c₀, …), (D + 1,), of (11.8) for sites (n, D), values (n,)."""
     # BEGIN SOLUTION
@@ -384,8 +501,12 @@ check("11.5")
 # %% [markdown]
 # ### 11.6 The function and its gradient
 #
-# Return $F$ and its gradient at places $\mathbf{x}$. What is the derivative of $r^3$ with $r =
-# \lVert \mathbf{x} - \mathbf{s} \rVert$? Write it without a division: a place may be a site.
+# Return $F$ and its gradient at the points $\mathbf{x}$. What is the gradient of $r^3$ with $r =
+# \lVert \mathbf{x} - \mathbf{s} \rVert$? Avoid division by $r$, since $\mathbf{x}$ may be a site.
+#
+# Test your gradient by differences before you run the check: $\partial F / \partial x_1$ at
+# $\mathbf{x}$ should agree with $\big(F(\mathbf{x} + h \mathbf{e}_1) - F(\mathbf{x} - h
+# \mathbf{e}_1)\big) / (2h)$ for $h = 10^{-5}$, to about nine digits.
 #
 # <details><summary>Hint</summary>
 #
@@ -394,9 +515,9 @@ check("11.5")
 # </details>
 
 
-# %% question="11.6"
+# %% question="11.6" minutes=15
 def field(x, sites, lam, c):
-    """Return F of (11.7), (M,), and its gradients, (M, D), at places x (M, D)."""
+    """Return F of (11.7), (M,), and its gradients, (M, D), at points x (M, D)."""
     # BEGIN SOLUTION
     offset = x[:, np.newaxis] - sites
     r = np.linalg.norm(offset, axis=2)
@@ -428,32 +549,33 @@ def beside(distance):
             axes.plot(*sites[88:].T, ".", ms=3, color=BLUE)
             draw_cloud(axes, points, size=2.5)
             axes.set(xlim=(-1.9, 1.9), ylim=(-1.9, 1.9))
-        panels[0].set(title=f"all at Δ = {distance:.2g}")
-        panels[1].set(title="tested, and halved where needed")
+        panels[0].set(title=f"all at Δ = {distance:.2g}, not tested")
+        panels[1].set(title="tested, and halved if needed")
     return page
 
 
 # %% [markdown]
-# **What to look at.** Blue shade: $F > 0$. Orange points are to be outside, blue ones inside. On
-# the left they cross over, contradict each other, and tear the body. The test makes a large
-# distance harmless. At the other end of the slider both are alike.
+# **What to look at.** The shaded region is $F > 0$. Orange points should lie outside, blue points
+# inside. In the left picture they lie on the wrong sides of other parts of the body, their values
+# contradict each other, and the body breaks into pieces. The test of (11.6) makes a large $\Delta$
+# harmless. At the left end of the slider both pictures agree.
 #
-# ## Onto the surface
+# ## Projection onto the surface
 #
-# The normal of a level of $F$ is its gradient. As $F$ falls towards the outside, the *outward*
-# normal is $-\nabla F / \lVert \nabla F \rVert$: normals come for free now, and everywhere. And
-# from a place near the surface one gets onto it by Newton's method along the gradient: replace $F$
-# by its tangent, and go to where that is zero,
+# The gradient is normal to the level sets of $F$. Since $F$ decreases outward, the *outward* normal
+# is $-\nabla F / \lVert \nabla F \rVert$, at every point of space. A point near the surface is
+# projected onto it by Newton's method along the gradient. Each step replaces $F$ by its tangent and
+# moves to the zero of the tangent:
 #
 # $$ \mathbf{x} \;\leftarrow\; \mathbf{x} - \frac{F(\mathbf{x})}{\lVert \nabla F(\mathbf{x})
 #    \rVert^2} \nabla F(\mathbf{x}) . \tag{11.9} $$
 #
-# ### 11.7 Newton's steps
+# ### 11.7 Newton's method
 
 
-# %% question="11.7"
+# %% question="11.7" minutes=15 optional
 def to_surface(x, sites, lam, c, steps):
-    """Return the places after so many steps (11.9), of shape (M, D), from places x (M, D)."""
+    """Return the points (M, D) after the given number of steps (11.9), from points x (M, D)."""
     # BEGIN SOLUTION
     for _ in range(steps):
         f, gradient = field(x, sites, lam, c)
@@ -469,32 +591,38 @@ check("11.7")
 # %% [markdown]
 # ## Marching squares
 #
-# To draw the zero level, cut the plane into squares, and look at $F$ in their corners only. If it
-# has one sign in all four corners the level passes by. Otherwise it crosses the sides whose ends
-# have different signs; where, is told by linear interpolation. Between the ends $\mathbf{a}$ and
-# $\mathbf{b}$ of a side, with the values $f_a$ and $f_b$,
+# To draw the zero level, divide the plane into squares and evaluate $F$ at their corners. If all
+# four values have the same sign, no piece is drawn in the square. Otherwise the level crosses the
+# sides whose ends have different signs. The crossing point is found by linear interpolation: on
+# the side from $\mathbf{a}$ to $\mathbf{b}$, with the values $f_a$ and $f_b$,
 #
 # $$ \mathbf{x} = \mathbf{a} + \frac{f_a}{f_a - f_b} (\mathbf{b} - \mathbf{a}) . \tag{11.10} $$
 #
-# Let the corners be $(0,0)$, $(1,0)$, $(1,1)$, $(0,1)$, in this order, round the square: the rows
-# of `SQUARE`, which is written for you. A piece of the level goes from one crossing to the other;
-# let it run so that what is positive lies to its *left*. Then pieces of neighbouring squares follow
-# each other, and the curve as a whole runs round the body.
+# The corners are $(0,0)$, $(1,0)$, $(1,1)$, $(0,1)$, in this order round the square. They are the
+# rows of `SQUARE`, which is defined above. A piece of the level runs from one crossing to the
+# other, with the positive values on its *left*. Then the pieces of neighbouring squares follow
+# each other, and the whole curve runs counter-clockwise round the body. In space the method is
+# called *marching cubes* (Lorensen and Cline, SIGGRAPH 1987).
 #
-# ### 11.8 A piece of the level
+# **Example.** The values are $3, -1, -2, -2$. The side from $(0,0)$ to $(1,0)$ is crossed at
+# $(3/4, 0)$, since $3 / (3 - (-1)) = 3/4$. The side from $(0,1)$ to $(0,0)$, with the values $-2$
+# and 3, is crossed at the share $-2 / (-2 - 3) = 2/5$ from $(0,1)$, hence at $(0, 3/5)$. The
+# positive corner $(0,0)$ must be on the left, so the piece runs from $(3/4, 0)$ to $(0, 3/5)$.
 #
-# Each row of `values` belongs to one square, in which exactly two sides are crossed. Return the
-# start and the end of each piece.
+# ### 11.8 Pieces of the zero level
+#
+# Each row of `values` belongs to one square. Exactly two sides of it are crossed, and no value is
+# zero. Return the start and the end of each piece.
 #
 # <details><summary>Hint</summary>
 #
-# Go round the square once. Where the sign changes from plus to minus, is it the start of the piece
-# or its end? Draw a square in which only the first corner is positive.
+# Go round the square once. In the example, where does the sign change from plus to minus: at the
+# start of the piece, or at its end?
 #
 # </details>
 
 
-# %% question="11.8"
+# %% question="11.8" minutes=25 optional
 def pieces(values):
     """Return start and end of the piece in each square, (K, 2, 2), for values (K, 4)."""
     # BEGIN SOLUTION
@@ -514,16 +642,15 @@ check("11.8")
 
 
 # %% [markdown]
-# The next cell cuts a grid of values into squares, and calls your function for those with two
-# crossings. (There are squares with four. They have two pieces, and more than one way to draw
-# them.)
+# The next cell divides a grid of values into squares, and calls your function for the squares with
+# two crossings. (A square with four crossings has two pieces, and there is more than one way to
+# draw them.) A value of exactly zero counts as negative.
 
 
 # %%
 def zero_level(nodes, f):
-    """Return the pieces (K, 2, 2) of the zero level of values f (n + 1, n + 1) at nodes of a
-    grid.
-    """
+    """Return the pieces (K, 2, 2) of the zero level of values f (n + 1, n + 1) at grid nodes."""
+    f = np.where(f == 0, -1e-300, f)
     around = np.stack([f[:-1, :-1], f[:-1, 1:], f[1:, 1:], f[1:, :-1]], axis=-1)
     crossed = ((around > 0) != (np.roll(around, -1, axis=-1) > 0)).sum(axis=-1) == 2
     start = nodes[:-1, :-1][crossed][:, None]
@@ -540,13 +667,13 @@ def marching(squares):
     f = np.asarray(field(nodes.reshape(-1, 2), sites, lam, c)[0]).reshape(nodes.shape[:2])
     level = zero_level(nodes, f)
     ends = level.reshape(-1, 2)
-    moved = np.asarray(to_surface(ends, sites, lam, c, 3))
+    projected = np.asarray(to_surface(ends, sites, lam, c, 3))
     value, slope = field(ends, sites, lam, c)
     off = np.abs(value) / np.linalg.norm(slope, axis=1)
-    after = np.abs(field(moved, sites, lam, c)[0])
+    after = np.abs(field(projected, sites, lam, c)[0])
     with figure(6.6, 3.3) as page:
         panels = page.subplots(1, 2)
-        for axes, p in zip(panels, (level, moved.reshape(-1, 2, 2))):
+        for axes, p in zip(panels, (level, projected.reshape(-1, 2, 2))):
             side = nodes[0, :, 0]
             axes.hlines(side, -1.8, 1.8, color="0.9", lw=0.6)
             axes.vlines(side, -1.8, 1.8, color="0.9", lw=0.6)
@@ -555,20 +682,20 @@ def marching(squares):
         inside, outside = nodes[f > 0], nodes[f <= 0]
         panels[0].plot(*inside.T, "o", ms=2.2, color=ORANGE)
         panels[0].plot(*outside.T, "o", ms=0.8, color=GREY)
-        panels[0].set(title=f"interpolated: off by up to {off.max():.1g}")
-        panels[1].set(title=f"three steps of Newton: {after.max():.1g}")
+        panels[0].set(title=f"linear interpolation: error up to {off.max():.1g}")
+        panels[1].set(title=f"three Newton steps: $|F|$ up to {after.max():.1g}")
     return page
 
 
 # %% [markdown]
-# **What to look at.** The points are your own. Few squares cut corners: the ends of the pieces are
-# where a *linear* function would be zero. Newton's steps put them onto the level; between them the
-# pieces are straight all the same.
+# **What to look at.** The points are your own; they depend on the number in `student.txt`. Orange
+# nodes have $F > 0$. With few squares the ends of the pieces are off the level, since $F$ is not
+# linear along a side. Newton's method moves the ends onto the level. Between its ends a piece
+# remains straight.
 #
-# ## The whole road
+# ## The complete method in the plane
 #
-# From a cloud with noise to the body, nothing else given: your normals, your graph, your signs,
-# your points beside, your function, your level. The thin arrows are $-\nabla F$.
+# From a noisy cloud to the body, by your eight functions. The thin arrows are $-\nabla F$.
 
 
 # %%
@@ -588,7 +715,7 @@ def whole_road(noise, k, distance):
         left, right = page.subplots(1, 2)
         draw_cloud(left, points, size=2.5)
         draw_normals(left, points, n, 0.15)
-        left.set(title="normals with their signs")
+        left.set(title="oriented normals")
         image = right.contourf(
             *nodes.transpose(2, 0, 1), f, np.linspace(-1, 1, 21), cmap="PuOr", extend="both"
         )
@@ -596,9 +723,9 @@ def whole_road(noise, k, distance):
         page.colorbar(image, ax=right, ticks=[-1, 0, 1], label="F", shrink=0.8)
         level = zero_level(nodes, f)
         draw_pieces(right, level, color="black", lw=1.6)
-        some = level[::6, 0]
-        slope = np.asarray(field(some, sites, lam, c)[1])
-        draw_normals(right, some, -slope / np.linalg.norm(slope, axis=1)[:, None], 0.15, "black")
+        starts = level[::6, 0]
+        slope = np.asarray(field(starts, sites, lam, c)[1])
+        draw_normals(right, starts, -slope / np.linalg.norm(slope, axis=1)[:, None], 0.15, "black")
         right.set(title="F and its zero level", xlim=(-1.9, 1.9), ylim=(-1.9, 1.9), aspect="equal")
         right.set_axis_off()
         left.set(xlim=(-1.9, 1.9), ylim=(-1.9, 1.9))
@@ -606,149 +733,150 @@ def whole_road(noise, k, distance):
 
 
 # %% [markdown]
-# **What to look at.** Make noise: the level still goes through every point, and becomes rough. Make
-# $\Delta$ small as well: two values that differ by $2\Delta$, at places whose distance the noise
-# has made up. What would you rather ask of $F$ than to interpolate?
+# **What to look at.** Increase the noise: the level still passes through every point and becomes
+# rough. Now decrease $\Delta$ as well. The values at neighbouring sites differ by $\Delta$, while
+# the noise has changed the distances between them. Which condition would suit noisy points better
+# than interpolation?
 #
-# ## In space
+# ## A measured surface: the asteroid Kleopatra
 #
-# None of your functions asks for the dimension. A torus, by the same road; then cut into slices,
-# each drawn by marching squares.
+# Asteroid 216 Kleopatra is about 217 km long and has the shape of a dog bone. Its shape was
+# measured with the radar of the Arecibo Observatory: S. J. Ostro and others, *Science* 288 (2000),
+# pages 836–839. The data are from NASA's Planetary Data System, and are in the public domain;
+# `fieldcheck/datasets/kleopatra.json` names the source. `kleopatra()` returns 600 points in
+# kilometres, and triangles, which we do not need here. Your functions do the rest, in three
+# dimensions. The picture takes a few seconds.
 
 
 # %%
-@draw(height=Slider(-0.4, 0.4, 0.2, "height", steps=32))
-def slices(height):
-    points = torus(np.random.default_rng(7), 8, 17) @ OBLIQUE.T
+@draw(height=Slider(-30, 30, 0, "height z in km", steps=30))
+def asteroid(height):
+    points = kleopatra()[0][::2]
     n = np.asarray(orient(points, np.asarray(normals(points, 8)[0]), np.asarray(linked(points, 8))))
-    sites, values = augmented(points, n, np.asarray(off_surface(points, n, 0.2)))
+    sites, values = augmented(points, n, np.asarray(off_surface(points, n, 5.0)))
     lam, c = implicit(sites, values)
-    nodes = lattice(28, 1.6)
-
-    def paper(x):
-        return np.stack([x[..., 0], 1.2 * x[..., 2] + 0.42 * x[..., 1]], axis=-1)
+    nodes = lattice(40, 120.0)[6:-6]
 
     def values_at(z):
         x = np.insert(nodes.reshape(-1, 2), 2, z, axis=1)
         return np.asarray(field(x, sites, lam, c)[0]).reshape(nodes.shape[:2])
 
-    with figure(6.8, 2.5) as page:
-        first, left, right = page.subplots(1, 3)
-        draw_cloud(first, paper(points), size=1.5)
-        draw_pieces(
-            first, np.stack([paper(points), paper(points + 0.15 * n)], axis=1), color=BLUE, lw=0.8
-        )
-        first.set(title=f"{len(points)} points, and normals")
-        for z in [*np.linspace(-0.36, 0.36, 7), height]:
-            level = np.insert(zero_level(nodes, values_at(z)), 2, z, axis=2)
+    with figure(6.8, 4.6) as page:
+        (first, second), (left, right) = page.subplots(2, 2)
+        tips = points + 7 * n
+        for axes, pair, name in ((first, (0, 1), "from above"), (second, (0, 2), "from the side")):
+            draw_pieces(axes, np.stack([points, tips], axis=1)[:, :, pair], color=BLUE, lw=0.8)
+            draw_cloud(axes, points[:, pair], size=1.8)
+            axes.set(title=f"{len(points)} points and normals, {name}")
+        second.axhline(height, color=ORANGE, lw=1)
+        for z in [*np.linspace(-36, 32, 7), height]:
             chosen = z == height
-            draw_pieces(
-                left, paper(level), color=ORANGE if chosen else BLUE, lw=2.2 if chosen else 1
-            )
-        left.set(aspect="equal", title="slices of the level")
+            style = {"color": ORANGE, "lw": 2.2} if chosen else {"color": BLUE, "lw": 1}
+            draw_pieces(left, zero_level(nodes, values_at(z)), **style)
+        left.set(title="contour lines of the zero level", aspect="equal")
         left.set_axis_off()
         f = values_at(height)
         bands = right.contourf(
-            *nodes.transpose(2, 0, 1), f, np.linspace(-0.8, 0.8, 17), cmap="PuOr", extend="both"
+            *nodes.transpose(2, 0, 1), f, np.linspace(-40, 40, 17), cmap="PuOr", extend="both"
         )
         bands.set_rasterized(True)
         draw_pieces(right, zero_level(nodes, f), color=ORANGE, lw=2.2)
-        right.set(aspect="equal", title=f"F at the height {height:.2g}")
+        right.set(aspect="equal", title=f"$F$ at the height {height:.0f} km")
         right.set_axis_off()
+        page.colorbar(bands, ax=right, ticks=[-40, 0, 40], label="$F$ in km", shrink=0.8)
     return page
 
 
 # %% [markdown]
-# **What to look at.** Move the height: the two circles of a slice come together and vanish at the
-# top. Look back at your eight functions: where would the third dimension have made a difference?
+# **What to look at.** Move the height. The two lobes separate where the neck ends. $F$ is close to
+# the signed distance near the surface, since the off-surface values are distances. Which lines of
+# your eight functions would be different in the plane?
 
 # %% [markdown]
-# ## In words
+# ## Questions in words
 #
-# **11.9** Leave out the points beside the surface. What is the solution of (11.8) then, and why?
-# Why two of them for each point, and not one inside only? And what goes wrong if $\Delta$ is too
-# large without the test, and what if it is very small?
+# **11.9** Why are off-surface points needed on both sides, and
+# which range of $\Delta$ is suitable? Explain what happens without off-surface points, for a very
+# large $\Delta$ without the test, and for a very small $\Delta$.
 #
 # <details><summary>Hint</summary>
 #
-# The right side of (11.8) is zero then. For the last part think of the rows of the matrix, and of
-# the noise.
+# Without off-surface points the right-hand side of (11.8) is zero. For a very small $\Delta$
+# compare two rows of the matrix, and think of noise.
 #
 # </details>
 
-# %% [markdown] answer="11.9" points=3
-# All values are zero, and the system is regular if the points lie on no line (plane): its only
-# solution is zero, $F = 0$ everywhere, with no level and no sides. Values off the surface are what
-# makes $F$ change its sign. One side alone would do formally; two force $F$ to go through zero with
-# a slope of about $-1$ along the normal, so that it is near the signed distance, neither flat nor
-# steep, and the level is well determined from both sides.
+# %% [markdown] answer="11.9" points=3 minutes=15 words=80
+# Without off-surface points all values are zero. The system is regular if the points do not lie on
+# one line (plane), so its only solution is zero: $F = 0$ everywhere, without a level or sides.
+# Values on one side would make $F$ different from zero; values on both sides make it change its
+# sign with a slope of about $-1$ along the normal. Then $F$ is close to the signed distance, and
+# the level is well determined.
 #
-# Too far: the point lies on the wrong side of another part of the body, with the wrong sign, and
-# the level is torn; or its value is no distance any more, since another part is nearer. Very near:
-# two sites nearly coincide, two rows of the matrix are nearly equal and its condition is bad; and
-# where the points are off by noise, differences of noise are divided by a small $\Delta$, so that
-# the level gets rough.
+# If $\Delta$ is too large, an off-surface point may lie inside another part of the body, where its
+# value has the wrong sign, or its value is no longer a distance, since another part is nearer. The
+# level breaks into pieces. If $\Delta$ is very small, two sites nearly coincide, two rows of the
+# matrix are nearly equal, and its condition number is large. Errors of the points are divided by
+# the small $\Delta$, so the level becomes rough.
 
 # %% [markdown] rubric="11.9"
 # One point for F = 0 with the reason. One for two sides: change of sign and slope. One for both
 # ends of the range of distances; one of these alone earns half.
 
 # %% [markdown]
-# **11.10** In a textbook one reads that normals $b_i \mathbf{n}_i$ with signs $b_i = \pm 1$ are
-# oriented if $\sum b_i b_j (1 - |\mathbf{n}_i^T\mathbf{n}_j|)$, over all links, is as small as
-# possible. Show with a sphere whose normals are right to begin with that this cannot be. Why
-# can *no* choice of weights that do not depend on the signs do? What should be made large instead,
-# and what is (11.4) good for?
+# **11.10** Wendland (*Scattered Data Approximation*, 2005, page
+# 3) writes that normals $b_i \mathbf{n}_i$ with signs $b_i = \pm 1$ are consistently oriented if
+# $\sum b_i b_j (1 - |\mathbf{n}_i^T\mathbf{n}_j|)$ over all links is minimal. Show that this is
+# wrong, and that no weight without signs can be right. Which sum should be maximal instead?
 #
 # <details><summary>Hint</summary>
 #
-# With right normals all $b_i = 1$ should be best. And what changes in the sum if you turn one of
-# the given normals round before you begin?
+# Begin with the outward normals of a sphere: then all $b_i = 1$ should be optimal. How does the sum
+# change if one of the given normals is inverted?
 #
 # </details>
 
-# %% [markdown] answer="11.10" points=3
-# The weights are not negative. With right normals $b = (1, \dots, 1)$ should be the answer; but it
-# makes every term as large as it can be, and the sum is the *greatest* possible, not the least. The
-# least puts opposite signs where the normals differ most.
+# %% [markdown] answer="11.10" points=3 minutes=10 words=70 optional
+# The weights are not negative. With outward normals $b = (1, \dots, 1)$ should be the answer; but
+# it makes every term as large as it can be, and the sum is the *greatest* possible, not the least.
+# The least puts opposite signs where the normals differ most.
 #
-# Nor can a change of signs help: turn one given normal, and the weights stay as they are, so the
-# best $b$ stays the same too, while the right answer has another sign at that point. A sum that
-# cannot see the given signs cannot correct them.
+# Nor can another weight without signs help: invert one given normal, and the weights stay as they
+# are, so the best $b$ stays the same too, while the right answer has another sign at that point. A
+# sum that does not depend on the given signs cannot correct them.
 #
-# Large should be $\sum b_i b_j\, \mathbf{n}_i^T \mathbf{n}_j$, where neighbours agree if the term
-# is positive. To maximise it exactly is hard. The tree is a good guess: along its links every term
-# is made positive, and (11.4) says which links to use, those where the normals are nearly parallel
-# and the decision is safe.
+# The sum $\sum b_i b_j\, \mathbf{n}_i^T \mathbf{n}_j$ should be maximal: a term is positive where
+# neighbours agree. Its exact maximum is expensive. The tree is a good approximation: along its
+# links every term is made positive, and (11.4) selects the links where the normals are nearly
+# parallel and the decision is safe.
 
 # %% [markdown] rubric="11.10"
 # One point for the right normals giving the maximum. One for the invariance: weights without signs
-# cannot see which normals are turned. One for the right sum, with signs of the scalar products, and
-# (11.4) as the weight of the tree.
+# do not depend on which normals are inverted. One for the right sum, with signs of the scalar
+# products; (11.4) as the weight of the tree may be named.
 
 # %% [markdown]
-# **11.11** A sheet of metal has been scanned from both sides. Its thickness is less than the
-# distance of the points. Go through the stations: what goes wrong at each of them? What could be
-# measured in addition that would help?
+# **11.11** A sheet of metal has been scanned from both sides. Its
+# thickness is smaller than the distance between neighbouring points. What goes wrong in the
+# neighbourhood graph and in the orientation, and which additional measurement would prevent it?
 #
 # <details><summary>Hint</summary>
 #
-# Who are the nearest neighbours of a point?
+# On which side of the sheet are the nearest neighbours of a point?
 #
 # </details>
 
-# %% [markdown] answer="11.11" points=3
-# Normals: the neighbours come from both sides, and the plane through them is a compromise; its
-# normal may still be good where the sheet is flat, at its rim it is not, and the planarity is low.
-# Graph: links go through the sheet. Orientation: the normals of both sides are parallel, so these
-# links are the cheapest of all, and the same sign is given to both sides, one of which then points
-# inward. Points beside: those inside have their nearest neighbour on the other side until they are
-# within half of the thickness, so they are very near to the surface and the system is badly
-# conditioned; with wrong signs they contradict each other.
+# %% [markdown] answer="11.11" points=3 minutes=10 words=80 optional
+# Graph: the nearest neighbours lie on both sides, so links pass through the sheet. The plane
+# fitted to the neighbours is a compromise; its normal may still be good where the sheet is flat,
+# but not at its edge. Orientation: the normals of both sides are parallel, so the links through
+# the sheet are the cheapest of all. The same sign is given to both sides, and one of them then
+# points inward. Off-surface points on the inside pass the test only within half of the thickness,
+# and with wrong signs they contradict each other.
 #
-# The direction from which each point was seen, which scanners know, decides about the sign at once:
-# the normal points to the scanner. Or more points: spacing below the thickness. Normals measured
-# otherwise serve as well.
+# The direction from which each point was seen, which scanners know, decides about the sign at
+# once: the normal points to the scanner. More points help as well, with a spacing below the
+# thickness, and so do normals measured otherwise.
 
 # %% [markdown] rubric="11.11"
 # One point for neighbours from both sides in normals or graph. One for the orientation: cheap links
@@ -757,18 +885,20 @@ def slices(height):
 # %% [markdown]
 # ## Dig deeper
 #
-# - There is a way without points beside the surface. Ask for $F(\mathbf{p}_i) = 0$ and
-#   $\mathbf{n}_i^T \nabla F(\mathbf{p}_i) = -1$. What replaces the cubes? How many unknowns are
-#   there?
-# - Add a number $\mu > 0$ to the diagonal of $\mathbf{A}$ in (11.8), with the sign that makes the
-#   level smoother. Try it on noise.
-# - Two bodies $F$ and $G$: what are the zero levels of $\max(F, G)$, $\min(F, G)$, $\min(F, -G)$
-#   and $(1 - t) F + t G$?
-# - Squares with four crossings: draw both ways. What does the sign of $F$ in the middle of the
-#   square tell? In space there are cubes instead, and 256 kinds of corners. How many of them differ
-#   by more than a turn?
-# - How does the time for (11.8) grow with the number of points? At which number is your computer
-#   full? What could be done if each point sees its surroundings only?
+# - Off-surface points can be avoided. Require $F(\mathbf{p}_i) = 0$ and $\mathbf{n}_i^T \nabla
+#   F(\mathbf{p}_i) = -1$ (search for *Hermite radial basis functions*). Which functions replace the
+#   cubed distances, and how many unknowns are there?
+# - For noisy points, approximate instead of interpolating: add a number $\mu$ to the diagonal of
+#   $\mathbf{A}$ in (11.8). Which sign of $\mu$ makes the level smoother? (Search for *smoothing
+#   spline*.)
+# - Let two bodies be given by $F$ and $G$. Which bodies belong to $\max(F, G)$, $\min(F, G)$,
+#   $\min(F, -G)$ and $(1 - t) F + t G$? (Search for *constructive solid geometry*.)
+# - Draw both ways to connect the crossings in a square with four of them. Which way does the sign
+#   of $F$ at the centre suggest? A cube has 256 sign patterns. How many differ by more than a
+#   rotation?
+# - How does the time for (11.8) grow with the number of points, and for how many points is the
+#   memory of your computer full? Read in Wendland (2005), chapter 15, how partitions of unity
+#   avoid the large system.
 
 # %%
 progress()

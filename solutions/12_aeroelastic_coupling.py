@@ -1,5 +1,10 @@
 # ---
 # jupyter:
+#   course:
+#     builds_on:
+#       "03": the saddle-point system, solved for weights instead of coefficients
+#     pages: book, section 1.2
+#     chapters: [12-coupling]
 #   jupytext:
 #     text_representation:
 #       extension: .py
@@ -11,20 +16,25 @@
 # ---
 
 # %% [markdown]
-# # Two meshes of one wing
+# # Aeroelastic coupling of two meshes
 #
-# The air bends a wing, and flows otherwise round the bent wing. One program knows the air and sees
-# a *skin* of many points; another knows the structure and sees a *skeleton* of few nodes. They have
-# hardly a point in common. Displacements must go from the skeleton to the skin, and loads from the
-# skin to the skeleton, again and again, until nothing changes any more.
+# The air bends a wing, and the bent wing changes the flow of the air. A coupled computation
+# usually has two programs: one for the flow, on a *skin* of many points, and one for the
+# structure, on a *skeleton* of few nodes. The two meshes have hardly a point in common.
+# Displacements must be transferred from the skeleton to the skin, and loads from the skin to the
+# skeleton, until a steady state is reached.
 #
-# By the end of this notebook you have written both ways, you can say exactly what is lost on the
-# way and what is not, and you have a wing that finds its shape in the wind, or does not, and tells
-# you at which speed it breaks.
+# In this notebook you write both transfers, prove what they conserve, and compute the steady state
+# of a wing. You also compute the dynamic pressure at which no steady state is stable: the
+# *divergence* of the wing.
 #
-# There are eight short functions and four questions in words. You need nothing from other
-# notebooks. Numbers in brackets, such as (12.1), are those of formulas; numbers without are those
-# of questions.
+# The core takes one sitting. The questions 12.7 to 12.9, on plates, are optional, for a second
+# sitting; nothing else uses them.
+#
+# **Sources.** Wendland, *Scattered Data Approximation* (2005), pages 5–6; Farhat and others (1998)
+# and Dowell below. Search for: fluid–structure interaction, conservative load transfer, virtual
+# work, Kirchhoff plate, partitioned coupling, torsional divergence. Numbers in brackets, such as
+# (12.1), belong to formulas; numbers without brackets belong to questions.
 
 # %% tags=["setup"]
 import numpy as np
@@ -36,6 +46,7 @@ from fieldcheck import (
     ORANGE,
     PURPLE,
     Slider,
+    case,
     check,
     data,
     draw,
@@ -45,11 +56,12 @@ from fieldcheck import (
 )
 
 # %% [markdown]
-# ## The problem in a picture
+# ## Two meshes of one wing
 #
-# Half a wing, seen from the front and above. The orange nodes are the skeleton: two spars, above
-# and below, tied together at a few stations. They have been moved by a program for structures. The
-# skin (blue) still stands where it was. Where should each of its points go?
+# The picture shows half a wing, seen from the front and above. The orange nodes are the skeleton:
+# an upper and a lower spar, front and rear. The nodes have been displaced by a program for
+# structures. The points of the skin (blue) have not been displaced yet. Where should each of them
+# go?
 
 
 # %%
@@ -93,10 +105,10 @@ def the_problem(bend, twist):
 
 
 # %% [markdown]
-# ## Displacements
+# ## Transfer of displacements
 #
 # Let $\mathbf{x}_1, \dots, \mathbf{x}_N \in \mathbb{R}^D$ be the nodes of the skeleton, and $u_1,
-# \dots, u_N$ one component of their displacements. We lay a field through them,
+# \dots, u_N$ one component of their displacements. We interpolate them by radial basis functions,
 #
 # $$ s_u(\mathbf{y}) = \sum_{j=1}^N \lambda_j \lVert \mathbf{y} - \mathbf{x}_j \rVert^3 + c_0 +
 #    \mathbf{c}^T \mathbf{y}, \qquad
@@ -105,8 +117,9 @@ def the_problem(bend, twist):
 #    \begin{bmatrix} \mathbf{u} \\ \mathbf{0} \end{bmatrix}, \tag{12.1} $$
 #
 # with $\Phi_{ij} = \lVert \mathbf{x}_i - \mathbf{x}_j \rVert^3$ and the rows $(1, \mathbf{x}_i^T)$
-# of $\mathbf{P}$. On a line this is the curve of a thin ruler that is held at the nodes: a good
-# picture of a structure that bends. The matrix depends on the nodes alone, and is given here:
+# of $\mathbf{P}$. On a line, $s_u$ is the natural cubic spline: the shape of a thin beam that is
+# held at the nodes. The matrix depends on the nodes alone. It is the saddle-point system of
+# notebook 03, and also of the questions 11.5 and 13.5, so it is written for you:
 
 
 # %% tags=["setup"]
@@ -126,29 +139,68 @@ def system(nodes):
 
 
 # %% [markdown]
-# The coefficients depend linearly on $\mathbf{u}$, and so does the field. At the points
-# $\mathbf{y}_1, \dots, \mathbf{y}_M$ of the skin it has the values $\mathbf{H}\mathbf{u}$, and the
-# row of $\mathbf{H}$ that belongs to $\mathbf{y}$ holds the first $N$ entries of $\mathbf{w}$ in
+# The coefficients depend linearly on $\mathbf{u}$, and so do the displacements of the skin. At the
+# points $\mathbf{y}_1, \dots, \mathbf{y}_M$ of the skin they are $\mathbf{H}\mathbf{u}$ with a
+# matrix of *weights* $\mathbf{H}$. The matrix in (12.1) is symmetric. Therefore the row of
+# $\mathbf{H}$ that belongs to $\mathbf{y}$ consists of the first $N$ entries of $\mathbf{w}$ in
 #
 # $$ \begin{bmatrix} \boldsymbol{\Phi} & \mathbf{P} \\ \mathbf{P}^T & \mathbf{0} \end{bmatrix}
 #    \mathbf{w} = \mathbf{b}(\mathbf{y}), \qquad
 #    \mathbf{b}(\mathbf{y}) = \bigl(\lVert \mathbf{y} - \mathbf{x}_1 \rVert^3, \dots, \lVert
 #    \mathbf{y} - \mathbf{x}_N \rVert^3, 1, \mathbf{y}^T\bigr)^T . \tag{12.2} $$
 #
+# **Example.** Three nodes on a line, $x = 0, 1, 2$, and one point $y = 1/2$. The system (12.2) is
+#
+# $$ \begin{bmatrix} 0 & 1 & 8 & 1 & 0 \\ 1 & 0 & 1 & 1 & 1 \\ 8 & 1 & 0 & 1 & 2 \\
+#    1 & 1 & 1 & 0 & 0 \\ 0 & 1 & 2 & 0 & 0 \end{bmatrix} \mathbf{w} =
+#    \begin{bmatrix} 1/8 \\ 1/8 \\ 27/8 \\ 1 \\ 1/2 \end{bmatrix}, \qquad
+#    \mathbf{w} = \frac1{32} \begin{bmatrix} 13 \\ 22 \\ -3 \\ 6 \\ -12 \end{bmatrix} , $$
+#
+# so $\mathbf{H} = \frac1{32} (13, 22, -3)$. The weights sum to 1. Their mean of the nodes is
+# $(22 - 3 \cdot 2) / 32 = 1/2$, the point $y$ itself. Check one row of the system by hand; the next
+# cell computes all of them. The force in the last two lines is explained below.
+
+# %%
+line = np.array([[0.0], [1.0], [2.0]])
+row = np.linalg.solve(system(line), [1 / 8, 1 / 8, 27 / 8, 1, 1 / 2])[:3]
+print("32 times the weights:", 32 * row)
+print("their sum:", row.sum(), " the mean of the nodes:", row @ line)
+print("loads of a force of 32 N at 1/2:", 32 * row, " moment about 0:", 32 * row @ line[:, 0])
+
+# %% [markdown]
+# The next function is finished, and shows the form of a function that returns such a matrix. It
+# gives each point the displacement of its nearest node. Later it serves as a comparison.
+
+
+# %% tags=["setup"]
+def nearest_node(nodes, points):
+    """Return the weights of the nearest node, of shape (M, N), for nodes (N, D), points (M, D)."""
+    one_at_nearest = np.zeros((len(points), len(nodes)))
+    for i, r in enumerate(distances(points, nodes)):
+        one_at_nearest[i, r.argmin()] = 1
+    return one_at_nearest
+
+
+# %%
+print(nearest_node(line, np.array([[0.4], [1.7]])))
+
+# %% [markdown]
 # ### 12.1 The weights
 #
-# Write a function that returns $\mathbf{H}$. It must work in the plane, in space and on a line.
+# Return $\mathbf{H}$. The function must work on a line, in the plane and in space. The points
+# $\mathbf{y}_i$ are called `places`.
 #
 # <details><summary>Hint</summary>
 #
-# `np.linalg.solve` takes many right sides at once, as columns. The matrix is symmetric.
+# `np.linalg.solve` accepts many right-hand sides at once, as columns. Test your function with the
+# three nodes of the example first.
 #
 # </details>
 
 
-# %% question="12.1"
+# %% question="12.1" minutes=15
 def weights(nodes, places):
-    """Return H of (12.2), of shape (M, N), for nodes (N, D) and places (M, D)."""
+    """Return H of (12.2), of shape (M, N), for nodes (N, D) and points `places` (M, D)."""
     # BEGIN SOLUTION
     ones = np.ones((len(places), 1))
     b = np.hstack([distances(places, nodes) ** 3, ones, places])
@@ -160,24 +212,32 @@ def weights(nodes, places):
 check("12.1")
 
 # %% [markdown]
-# ## Loads
+# ## Conservative load transfer
 #
-# Let $\mathbf{f}_i \in \mathbb{R}^3$ be the force at the point $\mathbf{y}_i$ of the skin: a force,
-# not a force per area. If the nodes move by $\mathbf{u}_j$, the points of the skin move by
-# $(\mathbf{H}\mathbf{u})_i$, and the forces do the work $\sum_i (\mathbf{H}\mathbf{u})_i^T
-# \mathbf{f}_i$. The structure is to be given loads $\mathbf{g}_j$ that do the same work,
+# Let $\mathbf{f}_i \in \mathbb{R}^3$ be the force at the point $\mathbf{y}_i$ of the skin, in
+# newton (not a force per area). If the nodes move by $\mathbf{u}_j$, the points of the skin move
+# by $(\mathbf{H}\mathbf{u})_i$, and the forces do the work $\sum_i (\mathbf{H}\mathbf{u})_i^T
+# \mathbf{f}_i$. We require loads $\mathbf{g}_j$ on the structure that do the same *virtual work*:
 #
 # $$ \sum_{i=1}^M (\mathbf{H}\mathbf{u})_i^T \mathbf{f}_i = \sum_{j=1}^N \mathbf{u}_j^T \mathbf{g}_j
 #    \quad \text{for all displacements } \mathbf{u} . \tag{12.3} $$
 #
-# That leaves no choice:
+# Taking unit displacements for $\mathbf{u}$ shows that only one choice is possible:
 #
 # $$ \mathbf{g} = \mathbf{H}^T \mathbf{f} . \tag{12.4} $$
+#
+# This is *conservative load transfer* (Farhat, Lesoinne and Le Tallec, *Computer Methods in
+# Applied Mechanics and Engineering* 157, 1998, pages 95–114; with radial basis functions: Beckert
+# and Wendland, *Aerospace Science and Technology* 5, 2001, pages 125–134).
+#
+# **Example.** In the example above, a force of 32 N at $y = 1/2$ gives the loads 13 N, 22 N and −3
+# N. Their sum is 32 N. Their moment about $x = 0$ is $22 \cdot 1 - 3 \cdot 2 = 16$ N m, as that of
+# the force, $32 \cdot 1/2$.
 #
 # ### 12.2 The loads on the structure
 
 
-# %% question="12.2"
+# %% question="12.2" minutes=10
 def loads(H, f):
     """Return g of (12.4), of shape (N, D), for weights H (M, N) and forces f (M, D)."""
     # BEGIN SOLUTION
@@ -189,9 +249,9 @@ def loads(H, f):
 check("12.2")
 
 # %% [markdown]
-# Your own nodes, twelve of them, seen from above. A force of one acts at the cross. Each node gets
-# the part of it that is drawn by the area of its dot, and the ring is where the parts balance. Move
-# the force, out of the structure too.
+# The picture shows your own twelve nodes, seen from above. A force of 1 acts at the cross. The
+# area of a disc is the load on its node; the number is its value. The ring is the centre of these
+# loads. Move the force, also to points outside the structure.
 
 
 # %%
@@ -201,31 +261,25 @@ check("12.2")
 )
 def footprint(x, y):
     nodes = data("12.1")[0]
-    place = np.array([[x, y]])
-    parts = loads(weights(nodes, place), np.ones((1, 1)))[:, 0]
-    with figure(6.4, 3.6) as page:
+    point = np.array([[x, y]])
+    parts = np.asarray(loads(weights(nodes, point), np.ones((1, 1))))[:, 0]
+    with figure(6.6, 4.6) as page:
         axes = page.subplots()
-        for color, sign, name in ((BLUE, 1, "upwards"), (ORANGE, -1, "downwards")):
-            size = 700 * np.maximum(sign * parts, 0)
-            axes.scatter(*nodes.T, s=size, color=color, alpha=0.75, lw=0)
+        for color, sign, name in ((BLUE, 1, "upward"), (ORANGE, -1, "downward")):
+            size = 900 * np.maximum(sign * parts, 0)
+            axes.scatter(*nodes.T, s=size, color=color, alpha=0.6, lw=0)
             axes.plot([], [], "o", color=color, label=name)
         axes.plot(*nodes.T, ".", color=GREY, ms=3)
         for node, part in zip(nodes, parts):
-            axes.annotate(
-                f"{round(part, 2) + 0:.2f}",
-                node,
-                (0, -14),
-                textcoords="offset points",
-                ha="center",
-                fontsize=8,
-            )
-        axes.plot(*(parts @ nodes), "o", mfc="none", color=PURPLE, ms=15, label="their balance")
-        axes.plot(x, y, "x", color="black", ms=8, mew=2, label="the force")
+            label = f"{round(part, 2) + 0:.2f}".replace("-", "\N{MINUS SIGN}")
+            axes.text(node[0] + 0.05, node[1] + 0.05, label, fontsize=8)
+        axes.plot(*(parts @ nodes), "o", mfc="none", color=PURPLE, ms=15, label="centre of loads")
+        axes.plot(x, y, "x", color="black", ms=8, mew=2, label="force")
         axes.set(
             xlim=(-0.6, 2.1),
             ylim=(-0.7, 1.6),
             aspect="equal",
-            title=f"sum of the parts {parts.sum():.3f}",
+            title=f"sum of the loads {parts.sum():.3f}",
         )
         axes.axis("off")
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5), labelspacing=1)
@@ -233,58 +287,58 @@ def footprint(x, y):
 
 
 # %% [markdown]
-# **What to look at.** Far outside a force of one arrives as large forces up and down. Their sum is
-# still one, and the ring still sits on the cross. It is a lever: what acts out there *is* large at
-# the structure.
+# **What to look at.** A force of 1 far outside causes large loads upward and downward. Their sum
+# is still 1, and their centre is still at the force. This is the law of the lever: a force with a
+# long arm causes large forces at the supports.
 #
-# ## What is kept
+# ## Conservation of force and moment
 #
-# The total force, and the total moment about a point $\mathbf{a}$, of forces $\mathbf{f}_i$ at
-# points $\mathbf{p}_i$ are
+# The total force of forces $\mathbf{f}_i$ at points $\mathbf{p}_i$, and their total moment about a
+# point $\mathbf{a}$, are
 #
 # $$ \mathbf{F} = \sum_i \mathbf{f}_i, \qquad \mathbf{M}_{\mathbf{a}} = \sum_i (\mathbf{p}_i -
 #    \mathbf{a}) \times \mathbf{f}_i . \tag{12.5} $$
 #
-# **12.3** Let $\mathbf{H}$ be any matrix, from any method. (a) Prove that (12.4) follows from
-# (12.3), and (12.3) from (12.4). (b) Prove: the total force is the same on both sides *for all*
-# forces $\mathbf{f}$ if and only if the rows of $\mathbf{H}$ sum to one. (c) Let them sum to one.
-# When is the total moment the same for all $\mathbf{f}$? (d) Wendland (2005, p. 6) writes that
-# "interpolation is crucial in this process since otherwise each coupling step would result in a
-# loss of energy". Is that so?
+# **12.3** Let $\mathbf{H}$ be any matrix, from any method, and
+# let the loads be $\mathbf{g} = \mathbf{H}^T\mathbf{f}$. Prove: the total force is conserved for
+# all $\mathbf{f}$ if and only if each row of $\mathbf{H}$ sums to 1; in this case the total moment
+# is conserved for all $\mathbf{f}$ if and only if $\mathbf{H}$ reproduces linear fields. Conclude
+# whether interpolation is "crucial" for conserving work, as Wendland (*Scattered Data
+# Approximation*, 2005, page 6) writes.
 #
 # <details><summary>Hint</summary>
 #
-# Which displacement makes the work $\sum_i (\mathbf{H}\mathbf{u})_i^T\mathbf{f}_i$ a component of
-# the total force? Which makes it one of the moment? Put it into (12.3).
+# For which displacement is the work $\sum_i (\mathbf{H}\mathbf{u})_i^T\mathbf{f}_i$ a component of
+# the total force, and for which a component of the moment? For "only if", take a single force.
 #
 # </details>
 
-# %% [markdown] answer="12.3" points=4
-# (a) The left side of (12.3) is $\sum_{ij} H_{ij}\, \mathbf{u}_j^T \mathbf{f}_i = \sum_j
-# \mathbf{u}_j^T (\mathbf{H}^T\mathbf{f})_j$. This equals $\sum_j \mathbf{u}_j^T\mathbf{g}_j$ for
-# every $\mathbf{u}$ exactly if $\mathbf{g} = \mathbf{H}^T\mathbf{f}$: take for $\mathbf{u}$ one
-# unit displacement after the other. (b) The total of the loads is $\sum_j \mathbf{g}_j = \sum_i
-# (\sum_j H_{ij})\, \mathbf{f}_i$. If all rows sum to one it is $\sum_i\mathbf{f}_i$. Conversely,
-# take a single force at $\mathbf{y}_i$: it is kept only if its row sums to one. (c) $\sum_j
-# \mathbf{x}_j \times \mathbf{g}_j = \sum_i (\sum_j H_{ij}\mathbf{x}_j) \times \mathbf{f}_i$, which
-# agrees with $\sum_i \mathbf{y}_i \times \mathbf{f}_i$ for all forces exactly if $\sum_j
-# H_{ij}\mathbf{x}_j = \mathbf{y}_i$ for all $i$, so if linear fields come back. The point
-# $\mathbf{a}$ does not matter, since the total force is kept. Both are the work in a rigid motion:
-# a translation, or a rotation $\boldsymbol\omega \times \mathbf{x}$. (d) No. Nothing above uses $H$
-# at a node; a least-squares fit of planes keeps work, force and moment as well. What counts is that
-# the loads go by the transpose. If both ways interpolate, work *is* lost.
+# %% [markdown] answer="12.3" points=4 minutes=15 words=70
+# The sum of the loads is $\sum_j \mathbf{g}_j = \sum_i (\sum_j H_{ij})\, \mathbf{f}_i$. If all
+# rows sum to 1 it is $\sum_i\mathbf{f}_i$. Conversely, a single force at $\mathbf{y}_i$ is
+# conserved only if its row sums to 1. For the moment, $\sum_j \mathbf{x}_j \times \mathbf{g}_j =
+# \sum_i (\sum_j H_{ij}\mathbf{x}_j) \times \mathbf{f}_i$. This agrees with $\sum_i \mathbf{y}_i
+# \times \mathbf{f}_i$ for all forces exactly if $\sum_j H_{ij}\mathbf{x}_j = \mathbf{y}_i$ for all
+# $i$ (again by single forces), that is, if linear fields are reproduced. The point $\mathbf{a}$
+# does not matter, since the total force is conserved. Both are the work in a rigid motion: a
+# translation, or a rotation $\boldsymbol\omega \times \mathbf{x}$. Work itself is conserved for
+# every $\mathbf{H}$, by (12.3). Nothing above uses $\mathbf{H}$ at a node, so interpolation is not
+# crucial: a least-squares fit of planes conserves work, force and moment as well. The loads must
+# be transferred by the transpose. If displacements and loads are both interpolated, work *is*
+# lost.
 
 # %% [markdown] rubric="12.3"
-# One point for each of (a) to (d). In (b) and (c) "only if" must be argued, by single forces for
-# instance. In (d) it suffices to see that the proof does not use interpolation.
+# One point for the total force with "if", one for "only if", by single forces for instance. One
+# for the moment with linear fields. One for the conclusion that the proof does not use
+# interpolation.
 
 # %% [markdown]
 # ### 12.4 Force and moment
 #
-# Write (12.5) in space, so that you can measure what arrives.
+# Write (12.5) in space, to measure what is conserved.
 
 
-# %% question="12.4"
+# %% question="12.4" minutes=5
 def resultants(points, forces, about):
     """Return the three components of F and the three of M about a point (3,), of shape (6,).
 
@@ -300,37 +354,38 @@ def resultants(points, forces, about):
 check("12.4")
 
 # %% [markdown]
-# ## What goes wrong
+# ## Comparison of four load transfers
 #
-# Before virtual work was thought of, loads were interpolated like displacements: a field through
-# the values on the skin, read off at the nodes. Below, four ways on the wing above,
+# A simpler idea is to interpolate loads as displacements are interpolated: a field through the
+# values on the skin, evaluated at the nodes. The picture compares four transfers for the wing
+# above:
 #
-# - forces, interpolated as numbers;
-# - pressures (force per area), interpolated, then multiplied by the area that belongs to each node;
-# - each force to the node that is nearest;
-# - your transpose.
+# - forces, interpolated;
+# - pressures (force per area), interpolated, then multiplied by the area that belongs to each
+#   node;
+# - each force applied to the nearest node, by `nearest_node`;
+# - your transpose (12.4).
 #
-# They are judged by the lift, by the moment that bends the wing, and by the one that twists it.
-# Rounding is drawn at $10^{-16}$.
+# The three numbers are the relative errors of the lift, of the moment that bends the wing, and of
+# the moment that twists it. Errors below $10^{-16}$ are drawn at $10^{-16}$.
 
 
 # %%
 def arrivals(stations):
-    """Return the forces and moments on the skin, and those that arrive in each of four ways."""
+    """Return force and moment on the skin, and those of the loads of each transfer."""
     nodes, skin, areas = half_wing(stations)
     s, t = (skin[:, 0] - 0.3 * skin[:, 1]) / (0.6 - 0.3 * skin[:, 1]), skin[:, 1]
     pressure = np.sqrt(1 - t**2) * (1 - s)
     f = (pressure * areas)[:, None] * [0.05, 0, 1]
     H, back = weights(nodes, skin), weights(skin, nodes)
-    nearest = (distances(skin, nodes) == distances(skin, nodes).min(axis=1)[:, None]) * 1.0
-    ways = {
+    transfers = {
         "forces interpolated": back @ f,
         "pressures interpolated": (back @ (f / areas[:, None])) * loads(H, areas[:, None]),
-        "to the nearest node": loads(nearest, f),
+        "to the nearest node": loads(nearest_node(nodes, skin), f),
         "your transpose": loads(H, f),
     }
     wanted = resultants(skin, f, np.zeros(3))
-    return wanted, {name: resultants(nodes, g, np.zeros(3)) for name, g in ways.items()}
+    return wanted, {name: resultants(nodes, g, np.zeros(3)) for name, g in transfers.items()}
 
 
 @draw(stations=Slider(3, 14, 6, "stations along the span", whole=True))
@@ -356,44 +411,47 @@ def what_goes_wrong(stations):
 
 
 # %% [markdown]
-# **What to look at.** Of forces that are interpolated most get lost: a force belongs to a piece of
-# skin, and few nodes read off few pieces. Pressures times areas look sensible, and the lift is
-# nearly right, but a tenth of the twisting moment is missing, and more stations do not cure it. The
-# nearest node keeps the lift, because rows with a single one sum to one; but the wing is bent and
-# twisted wrongly. The transpose is right to rounding, with three stations or with fourteen.
+# **What to look at.** If forces are interpolated, most of the lift is lost: a force belongs to a
+# piece of the skin, and there are fewer nodes than pieces. Interpolated pressures have nearly the
+# right lift, but the twisting moment has an error of about 12 %, and more stations do not reduce
+# it. The nearest node conserves the lift, since each row has a single 1; the moments are wrong.
+# The transpose is exact up to rounding, with three stations or with fourteen.
 #
-# **12.5** A textbook asks of the loads $\mathbf{g} = \mathbf{G}\mathbf{f}$ two things at once:
-# constant loads, $f_i = 1$ for all $i$, are to come back as $g_j = 1$; and the total force is to be
-# the same for all $\mathbf{f}$. Show that no matrix $\mathbf{G}$ does both unless $M = N$. Which of
-# the two must be given up, and what could be meant by the other?
+# **12.5** Wendland (2005, page 5) requires two properties of
+# loads $\mathbf{g} = \mathbf{G}\mathbf{f}$: constant loads, $f_i = 1$ for all $i$, are reproduced
+# as $g_j = 1$; and the total force is conserved for all $\mathbf{f}$. Show that no matrix
+# $\mathbf{G}$ has both properties unless $M = N$. Which property must be kept, and for which
+# quantity does the other make sense?
 
-# %% [markdown] answer="12.5" points=2
+# %% [markdown] answer="12.5" points=2 minutes=10 words=40
 # The first says $\mathbf{G}\mathbf{1}_M = \mathbf{1}_N$, the second $\mathbf{1}_N^T\mathbf{G} =
 # \mathbf{1}_M^T$. Then $N = \mathbf{1}_N^T\mathbf{1}_N = \mathbf{1}_N^T\mathbf{G}\mathbf{1}_M =
 # \mathbf{1}_M^T\mathbf{1}_M = M$. So forty forces of one, with the sum forty, would become twelve
 # of one, with the sum twelve. The total force is physics and must stay. A single force has no
-# meaning without the piece of skin on which it acts: finer meshes have smaller forces. What can be
-# constant is a *density*, force per area, and densities can come back as the same constant while
-# their integrals agree.
+# meaning without the piece of skin on which it acts: finer meshes have smaller forces. A
+# *density*, force per area, can be constant, and constant densities can be reproduced while their
+# integrals agree.
 
 # %% [markdown] rubric="12.5"
 # One point for the contradiction, also by an example. One for keeping the total and for densities,
 # force per area, as what may be constant.
 
 # %% [markdown]
-# ## Densities
+# ## Transfer of pressures
 #
 # Let $m_i$ be the area of the point $\mathbf{y}_i$ and $p_i$ the pressure there, so that $m_i p_i$
-# is a force. The node $\mathbf{x}_j$ is handed the area $m'_j$ in the same way as it is handed
-# forces, and its pressure is force by area:
+# is a force. Areas are transferred to the nodes as forces are. The pressure at a node is force
+# divided by area:
 #
 # $$ m'_j = \sum_{i=1}^M H_{ij}\, m_i, \qquad p'_j = \frac{1}{m'_j} \sum_{i=1}^M H_{ij}\, m_i\, p_i
 #    . \tag{12.6} $$
 #
+# Weights may be negative, but in the inputs no $m'_j$ is zero.
+#
 # ### 12.6 Pressures on the structure
 
 
-# %% question="12.6"
+# %% question="12.6" minutes=5
 def densities(H, p, m):
     """Return p' of (12.6), of shape (N,), for weights H (M, N), pressures p (M,), areas m (M,)."""
     # BEGIN SOLUTION
@@ -405,35 +463,43 @@ def densities(H, p, m):
 check("12.6")
 
 # %% [markdown]
-# ## A structure without thickness
+# ## Optional: structures without thickness (Kirchhoff plate)
 #
-# A simple model of a wing is a plate: nodes in one plane of space. Try `weights` on such nodes, and
-# `np.linalg.solve` says that the matrix is singular, or returns numbers without meaning.
+# *The questions 12.7 to 12.9 are optional. Continue with "Partitioned coupling" for the core.*
 #
-# The remedy takes what we know of plates: *the normal of the plate stays a normal*. Let the plate
-# be $x_3 = 0$, and let $\mathbf{y} = (\mathbf{p}, \zeta)$ stand at the height $\zeta$ above the
-# point $\mathbf{p}$ of the plane. With $\mathbf{H}$ and its slopes $\mathbf{G}^k$ in the *plane*,
+# A simple model of a wing is a plate, with all nodes in one plane of space. Then the matrix of
+# (12.1) in space is singular, since the nodes do not determine linear polynomials of three
+# variables: `np.linalg.solve` reports this, or returns meaningless numbers.
+#
+# The remedy is the assumption of the *Kirchhoff plate*: normals of the plate remain straight and
+# normal to it. Let the plate be $x_3 = 0$, and let $\mathbf{y} = (\mathbf{p}, \zeta)$ lie at the
+# height $\zeta$ above the point $\mathbf{p}$ of the plate. With $\mathbf{H}$ and its derivatives
+# $\mathbf{G}^k$ *in the plane*,
 #
 # $$ (H\mathbf{u})_i = s_{\mathbf{u}}(\mathbf{p}_i), \qquad G^k_{ij} = \frac{\partial
 #    H_{ij}}{\partial p_k}, \qquad
 #    \mathbf{v}_i = \sum_j H_{ij}\, \mathbf{u}_j - \zeta_i \sum_j u_{j3} \begin{pmatrix} G^1_{ij} \\
 #    G^2_{ij} \\ 0 \end{pmatrix} . \tag{12.7} $$
 #
-# Here $\mathbf{v}_i$ is the displacement of the skin: that of the plate below it, and what the arm
-# of the length $\zeta_i$ adds as the plate tilts.
+# Here $\mathbf{v}_i$ is the displacement of the point of the skin. Its first term is the
+# displacement of the plate below the point. Its second term is due to the tilt of the plate, with
+# the arm $\zeta_i$.
 #
-# ### 12.7 The slopes
+# ### 12.7 The slopes (optional)
 #
-# Only $\mathbf{b}$ of (12.2) depends on the place. Its derivative with respect to the coordinate
-# $k$ has the entries $3 \lVert \mathbf{y} - \mathbf{x}_j \rVert\, (y_k - x_{jk})$, then a zero for
-# the one, then the unit vector of that coordinate. Write the slopes in any dimension.
+# Return the derivatives $\mathbf{G}^k$, in any dimension. In (12.2) only $\mathbf{b}$ depends on
+# $\mathbf{y}$. Its derivative with respect to the coordinate $y_k$ has the entries
+#
+# - $3 \lVert \mathbf{y} - \mathbf{x}_j \rVert\, (y_k - x_{jk})$ for $j = 1, \dots, N$,
+# - then 0, the derivative of the entry 1,
+# - then $D$ entries for the coordinates: 1 for the coordinate $k$, 0 for the others.
 
 
-# %% question="12.7"
+# %% question="12.7" minutes=20 optional
 def slopes(nodes, places):
     """Return G of shape (D, M, N), the derivatives of H along the D axes.
 
-    nodes have the shape (N, D), places (M, D).
+    nodes have the shape (N, D), the points `places` (M, D).
     """
     # BEGIN SOLUTION
     n, r = len(nodes), distances(places, nodes)
@@ -451,23 +517,24 @@ def slopes(nodes, places):
 check("12.7")
 
 # %% [markdown]
-# ### 12.8 Loads on a plate
+# ### 12.8 Loads on a plate (optional)
 #
-# The loads are again the transpose: $\mathbf{g}$ must do the work $\sum_i
-# \mathbf{v}_i^T\mathbf{f}_i$ in every displacement. Collect in (12.7) all that is multiplied by
-# $\mathbf{u}_j$. Which components of $\mathbf{g}_j$ differ from those of $\mathbf{H}^T\mathbf{f}$?
+# The loads follow from virtual work again: $\mathbf{g}$ must do the work $\sum_i
+# \mathbf{v}_i^T\mathbf{f}_i$ in every displacement $\mathbf{u}$. Collect the factors of
+# $\mathbf{u}_j$ in (12.7). Which components of $\mathbf{g}_j$ differ from those of
+# $\mathbf{H}^T\mathbf{f}$?
 #
 # <details><summary>Hint</summary>
 #
-# Only $u_{j3}$ is multiplied by slopes, so only $g_{j3}$ has more than $\mathbf{H}^T\mathbf{f}$.
-# What of $\mathbf{f}_i$ stands beside them?
+# Only $u_{j3}$ is multiplied by slopes, so only $g_{j3}$ has an additional term. Which components
+# of $\mathbf{f}_i$ multiply the slopes?
 #
 # </details>
 
 
-# %% question="12.8"
+# %% question="12.8" minutes=15 optional
 def flat_loads(nodes, places, f):
-    """Return g, of shape (N, 3), for nodes (N, 2) of the plane, places (M, 3) and forces (M, 3)."""
+    """Return g (N, 3) for nodes (N, 2) of the plane, points `places` (M, 3), forces (M, 3)."""
     # BEGIN SOLUTION
     p, height = places[:, :2], places[:, 2]
     g1, g2 = slopes(nodes, p)
@@ -481,8 +548,8 @@ def flat_loads(nodes, places, f):
 check("12.8")
 
 # %% [markdown]
-# Your own plate of nine nodes. A force of one pulls along it, at a height: an engine above the
-# wing. The arrows are what the nodes get across the plate.
+# Your own plate of nine nodes. A force of 1 acts parallel to the plate at a height, like the
+# thrust of an engine above the wing. The blue arrows are the loads normal to the plate.
 
 
 # %%
@@ -526,7 +593,7 @@ def pulled_along(height):
             },
         )
         axes.plot([], [], color=ORANGE, lw=2.5, label="the force")
-        axes.plot([], [], color=BLUE, lw=2, label="across the plate")
+        axes.plot([], [], color=BLUE, lw=2, label="loads normal to the plate")
         axes.set(xlim=(-0.3, 1.9), ylim=(-0.75, 1.25), aspect="equal")
         axes.set_title(
             f"moment about the y axis: {before[4]:.2f} of the force, {after[4]:.2f} of the loads"
@@ -537,59 +604,64 @@ def pulled_along(height):
 
 
 # %% [markdown]
-# **12.9** (a) Which polynomial $c_0 + \mathbf{c}^T\mathbf{y}$ makes the matrix of (12.1) singular
-# if all nodes lie in the plane $x_3 = 0$? (b) What is it that displacements of nodes in one plane
-# do not tell, and what does (12.7) assume instead? (c) Show that with (12.7) the rotation
-# $\mathbf{u}_j = \boldsymbol\omega \times \mathbf{x}_j$ moves every point of the skin by
-# $\boldsymbol\omega \times \mathbf{y}_i$. Why does that settle the total moment?
+# **12.9** Why is the matrix of (12.1) singular if all
+# nodes lie in the plane $x_3 = 0$? Show that (12.7) reproduces the rotation $\mathbf{u}_j =
+# \boldsymbol\omega \times \mathbf{x}_j$ at every point of the skin, and conclude that the total
+# moment is conserved.
 #
 # <details><summary>Hint</summary>
 #
-# For (c): a rotation is a linear field in the plane, which $\mathbf{H}$ and $\mathbf{G}^k$ treat
-# exactly. What is its third component, and what are the slopes of that?
+# Find a polynomial that vanishes at all nodes. A rotation is a linear field in the plane, which
+# $\mathbf{H}$ and $\mathbf{G}^k$ treat exactly: what are its third component and the slopes of it?
 #
 # </details>
 
-# %% [markdown] answer="12.9" points=3
-# (a) $y_3$: it vanishes at all nodes, so $\boldsymbol\lambda = \mathbf{0}$, $c_0 = 0$,
-# $\mathbf{c} = (0, 0, 1)^T$ solves the homogeneous system. (b) They do not tell how a field
-# changes *across* the plane: any multiple of $y_3$ may be added. (12.7) assumes that the normal
-# stays straight and normal to the plate, as in the theory of thin plates. (c) With $\mathbf{x} =
-# (x_1, x_2, 0)$ the rotation is $\boldsymbol\omega\times\mathbf{x} = (-\omega_3 x_2,\ \omega_3
-# x_1,\ \omega_1 x_2 - \omega_2 x_1)$, linear in the plane, so the first sum of (12.7) is its value
-# at $\mathbf{p}_i$. The third component has the slopes $-\omega_2$ and $\omega_1$, so the second
-# term is $\zeta_i(\omega_2, -\omega_1, 0) = \boldsymbol\omega \times (0, 0, \zeta_i)$. The sum is
-# $\boldsymbol\omega\times\mathbf{y}_i$. The total moment is the work in rotations; they come back,
-# and the loads are the transpose, so it is kept.
+# %% [markdown] answer="12.9" points=3 minutes=10 words=60 optional
+# The polynomial $y_3$ vanishes at all nodes, so $\boldsymbol\lambda = \mathbf{0}$, $c_0 = 0$,
+# $\mathbf{c} = (0, 0, 1)^T$ solves the homogeneous system: displacements in one plane do not
+# determine how a field changes *across* the plane. (12.7) assumes instead that the normal stays
+# straight and normal to the plate. With $\mathbf{x} = (x_1, x_2, 0)$ the rotation is
+# $\boldsymbol\omega\times\mathbf{x} = (-\omega_3 x_2,\ \omega_3 x_1,\ \omega_1 x_2 - \omega_2
+# x_1)$, linear in the plane, so the first sum of (12.7) is its value at $\mathbf{p}_i$. The third
+# component has the slopes $-\omega_2$ and $\omega_1$, so the second term is $\zeta_i(\omega_2,
+# -\omega_1, 0) = \boldsymbol\omega \times (0, 0, \zeta_i)$. The sum is
+# $\boldsymbol\omega\times\mathbf{y}_i$. The total moment is the work in rotations; they are
+# reproduced, and the loads are the transpose, so it is conserved.
 
 # %% [markdown] rubric="12.9"
-# One point for the polynomial that vanishes on the nodes. One for what is unknown across the plane,
-# and the normal as the remedy. One for the rotation, with work as the reason for the moment.
+# One point for the polynomial that vanishes on the nodes. One for the rotation. One for work in
+# rotations as the reason for the moment.
 
 # %% [markdown]
-# ## The loop
+# ## Partitioned coupling
 #
-# Now both programs together. Let only displacements upwards count, so that $\mathbf{u} \in
-# \mathbb{R}^N$. The structure has the stiffness $\mathbf{K}$, and the loads on the skin are
-# $\mathbf{f}_0$ at rest and change as the skin moves, $\mathbf{f} = \mathbf{f}_0 +
-# \mathbf{A}\mathbf{w}$ with $\mathbf{w} = \mathbf{H}\mathbf{u}$. The steady state is where neither
-# has anything to tell the other:
+# Now both programs together. Let all displacements be vertical, so $\mathbf{u} \in \mathbb{R}^N$.
+# Three terms from engineering: the *stiffness matrix* $\mathbf{K}$ gives the forces
+# $\mathbf{K}\mathbf{u}$ that are needed to hold the displacements $\mathbf{u}$. The *dynamic
+# pressure* $q = \frac12 \rho V^2$ grows with the square of the air speed $V$; all air loads are
+# proportional to it. The loads on the skin are $\mathbf{f}_0$ for the undeformed wing. They change
+# linearly with its displacements $\mathbf{w} = \mathbf{H}\mathbf{u}$, by $\mathbf{A}\mathbf{w}$.
+# In the steady state
 #
 # $$ \mathbf{K}\mathbf{u} = \mathbf{H}^T \mathbf{f}, \qquad \mathbf{f} = \mathbf{f}_0 +
 #    \mathbf{A}\mathbf{H}\mathbf{u} . \tag{12.8} $$
 #
-# The programs take turns. Each time the structure answers with
-# $\mathbf{K}^{-1}\mathbf{H}^T\mathbf{f}$, and of the way from the last displacement to that answer
-# one goes the part $\omega$, the *relaxation*:
+# A *partitioned* scheme alternates between the two programs: with the loads for $\mathbf{u}^n$,
+# the structure computes the displacement $\mathbf{K}^{-1}\mathbf{H}^T\mathbf{f}$. Each step is
+# *relaxed* by a factor $\omega$, so this is a fixed-point iteration with relaxation:
 #
 # $$ \mathbf{u}^0 = \mathbf{0}, \qquad
 #    \mathbf{u}^{n+1} = (1 - \omega)\,\mathbf{u}^n + \omega\, \mathbf{K}^{-1} \mathbf{H}^T
 #    (\mathbf{f}_0 + \mathbf{A}\mathbf{H}\mathbf{u}^n) . \tag{12.9} $$
 #
+# **Example.** One unknown, $K = 2$, $H = 1$, $f_0 = 1$, $A = 1$ and $\omega = 1$. Then $u^{n+1} =
+# (1 + u^n)/2$, and the iterates are $0, \frac12, \frac34, \frac78, \dots$ They converge to $u =
+# 1$, where $2u = 1 + u$.
+#
 # ### 12.10 The iterates
 
 
-# %% question="12.10"
+# %% question="12.10" minutes=15
 def iterates(K, H, f0, A, omega, steps):
     """Return u^0, …, u^steps of (12.9), of shape (steps + 1, N).
 
@@ -610,29 +682,85 @@ check("12.10")
 # %% [markdown]
 # ## The typical section
 #
-# The smallest wing of all: a slice on a torsion spring $k$, free to turn by the angle $\theta$. The
-# lift $q S a (\alpha_0 + \theta)$ grows with the angle to the wind and with the dynamic pressure
-# $q$, and acts at a distance $e$ before the spring. So (12.8) is one equation,
+# The smallest elastic wing is a rigid slice on a torsion spring, the *typical section* (Dowell, *A
+# Modern Course in Aeroelasticity*, section 2.1). The picture explains the letters. The section
+# rotates about the *elastic axis* by the angle $\theta$. A torsion spring with the constant $k$
+# holds it. The wind has the angle of attack $\alpha_0$ to the unloaded section. The *lift* acts at
+# the centre of pressure, at a distance $e$ ahead of the elastic axis.
+
+
+# %%
+def airfoil(theta):
+    """Return the outline of an aerofoil of chord 1, rotated nose-up by the angle theta."""
+    s = (1 - np.cos(np.linspace(0, np.pi, 40))) / 2
+    half = 0.6 * (0.2969 * np.sqrt(s) - 0.126 * s - 0.3516 * s**2 + 0.2843 * s**3 - 0.1015 * s**4)
+    outline = np.append(s, s[::-1]) - 0.5 + 1j * np.append(half, -half[::-1])
+    outline = outline * np.exp(-1j * theta)
+    return outline.real, outline.imag
+
+
+@draw()
+def sketch_of_the_section():
+    angle = 0.3
+    nose, centre = -0.5 * np.exp(-1j * angle), -0.28 * np.exp(-1j * angle)
+    with figure(6.4, 2.6) as page:
+        axes = page.subplots()
+        axes.fill(*airfoil(angle), facecolor="#e6eef6", edgecolor=BLUE)
+        axes.plot([-0.75, 0.75], [0, 0], ":", color=GREY, lw=1)
+        axes.plot(
+            [1.3 * nose.real, -1.1 * nose.real],
+            [1.3 * nose.imag, -1.1 * nose.imag],
+            "--",
+            color=GREY,
+            lw=1,
+        )
+        t = np.linspace(0, 5 * np.pi, 200)
+        axes.plot(0.012 * t * np.cos(t) / 2, 0.012 * t * np.sin(t) / 2, color="black", lw=1.2)
+        arrow = {"arrowstyle": "-|>", "lw": 2, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate(
+            "",
+            (centre.real, 0.52),
+            (centre.real, centre.imag),
+            arrowprops=arrow | {"color": ORANGE},
+        )
+        axes.text(
+            centre.real + 0.03, 0.45, "lift  $q\\,S\\,a\\,(\\alpha_0 + \\theta)$", color=ORANGE
+        )
+        for height in (-0.12, 0.06, 0.24):
+            axes.annotate(
+                "", (-0.82, height), (-1.1, height), arrowprops=arrow | {"color": GREY, "lw": 1}
+            )
+        axes.text(-1.1, -0.26, "wind, dynamic pressure $q$", color=GREY)
+        axes.annotate(
+            "",
+            (centre.real, -0.2),
+            (0, -0.2),
+            arrowprops=arrow | {"color": PURPLE, "arrowstyle": "<->", "lw": 1.2},
+        )
+        axes.plot([0, 0], [-0.22, 0], color=PURPLE, lw=0.6)
+        axes.plot([centre.real] * 2, [-0.22, centre.imag], color=PURPLE, lw=0.6)
+        axes.text(centre.real / 2, -0.31, "$e$", color=PURPLE, ha="center")
+        axes.text(0.06, 0.12, "elastic axis with\ntorsion spring $k$")
+        axes.text(-0.79, 0.03, r"$\alpha_0 + \theta$", va="bottom")
+        axes.set(xlim=(-1.15, 0.8), ylim=(-0.38, 0.56), aspect="equal")
+        axes.axis("off")
+    return page
+
+
+# %% [markdown]
+# With the wing area $S$ and the *lift slope* $a$ (lift coefficient per angle), the moments of lift
+# and spring are in equilibrium if
 #
 # $$ k\,\theta = e\, q S a\, (\alpha_0 + \theta), \qquad \theta = \frac{\lambda}{1 - \lambda}\,
 #    \alpha_0, \qquad
 #    \lambda = \frac{q}{q_D}, \quad q_D = \frac{k}{e S a} . \tag{12.10} $$
 #
-# At $q = q_D$ the spring can no longer hold: the *divergence* of the wing. The picture is made by
-# your `iterates`. A negative $\lambda$ belongs to a lift that acts behind the spring ($e < 0$).
-# Where do the iterates settle, and where should they?
+# At $q = q_D$ the spring cannot balance the lift any more: the *divergence* of the wing. A
+# negative $\lambda$ means that the centre of pressure is behind the elastic axis ($e < 0$). The
+# next picture uses your `iterates`. To which angle do they converge, and do they converge at all?
 
 
 # %%
-def airfoil(theta):
-    """Return the outline of a slice of a wing of chord one, its nose up by the angle theta."""
-    s = (1 - np.cos(np.linspace(0, np.pi, 40))) / 2
-    half = 0.6 * (0.2969 * np.sqrt(s) - 0.126 * s - 0.3516 * s**2 + 0.2843 * s**3 - 0.1015 * s**4)
-    line = np.append(s, s[::-1]) - 0.5 + 1j * np.append(half, -half[::-1])
-    turned = line * np.exp(-1j * theta)
-    return turned.real, turned.imag
-
-
 @draw(
     lam=Slider(-3, 1.5, 0.6, "λ = q / q_D", steps=45),
     omega=Slider(0.1, 1.6, 1.0, "relaxation ω", steps=30),
@@ -641,7 +769,7 @@ def typical_section(lam, omega):
     share, alpha = 0.5 - lam / 8, 0.08
     where = 8 * np.array([1 - share, share])
     H, A = np.array([[0.5], [-0.5]]), np.outer(where, [1, -1])
-    theta = iterates(np.eye(1), H, alpha * where, A, omega, 14)[:, 0] / alpha
+    theta = np.asarray(iterates(np.eye(1), H, alpha * where, A, omega, 14))[:, 0] / alpha
     with figure(6.4, 3.0) as page:
         left, right = page.subplots(1, 2, width_ratios=[1.1, 1])
         left.plot(*airfoil(0), color=GREY, lw=1)
@@ -655,34 +783,32 @@ def typical_section(lam, omega):
         right.plot(np.clip(theta, -1e3, 1e3), "o-", color=BLUE, ms=3, lw=1, label="your iterates")
         if abs(1 - lam) > 1e-9:
             right.axhline(lam / (1 - lam), color=ORANGE, ls="--", label="(12.10)")
-        right.set(xlabel="step", ylabel=r"$\theta / \alpha_0$", ylim=(-7, 9))
+        right.set(xlabel="iteration", ylabel=r"$\theta / \alpha_0$", ylim=(-7, 9))
         right.legend(loc="upper right")
-        page.suptitle(
-            rf"each step takes $1 - \omega(1 - \lambda) = {1 - omega * (1 - lam):.2f}$ "
-            "of the one before"
-        )
+        factor = f"{1 - omega * (1 - lam):.2f}".replace("-", "\N{MINUS SIGN}")
+        page.suptitle(rf"error multiplied by $1 - \omega(1 - \lambda) =$ {factor} per iteration")
     return page
 
 
 # %% [markdown]
-# ### 12.11 The divergence of any wing
+# ### 12.11 The divergence pressure of a wing
 #
-# With $q$ taken out, the loads are $q(\mathbf{f}_0 + \mathbf{A}\mathbf{w})$, and the wing diverges
-# at the smallest $q > 0$ at which
+# Let the loads be $q(\mathbf{f}_0 + \mathbf{A}\mathbf{w})$. The wing diverges at the smallest $q >
+# 0$ with
 #
 # $$ \det(\mathbf{K} - q\, \mathbf{H}^T\mathbf{A}\mathbf{H}) = 0 . \tag{12.11} $$
 #
-# You may take for granted that there is one.
+# Return this $q$. Assume that there is one.
 #
 # <details><summary>Hint</summary>
 #
 # If $\mathbf{K}\mathbf{u} = q\,\mathbf{H}^T\mathbf{A}\mathbf{H}\,\mathbf{u}$, of which matrix is
-# $1/q$ an eigenvalue? Not all of them need be real (`np.isreal`), or positive.
+# $1/q$ an eigenvalue? The eigenvalues may be complex (`np.isreal`) or negative.
 #
 # </details>
 
 
-# %% question="12.11"
+# %% question="12.11" minutes=10
 def divergence(K, H, A):
     """Return the smallest q > 0 of (12.11), a number, for K (N, N), H (M, N), A (M, M)."""
     # BEGIN SOLUTION
@@ -695,44 +821,54 @@ def divergence(K, H, A):
 check("12.11")
 
 # %% [markdown]
-# **12.12** (a) For which $\omega > 0$ do the iterates of the typical section converge? Distinguish
-# $\lambda < 1$ and $\lambda > 1$. (b) Two things are called divergence here, that of the wing and
-# that of the iteration. Find in the picture a $\lambda$ at which the wing is stable and the
-# iteration with $\omega = 1$ is not. Which $\omega$ reaches the steady state in one step? (c) For
-# $\lambda > 1$, (12.10) still gives a $\theta$. What is it worth?
+# **12.12** Divergence of the wing and divergence of the
+# iteration are different things. For which $\omega > 0$ do the iterates of the typical section
+# converge, if $\lambda < 1$ and if $\lambda > 1$? Give a $\lambda$ for which the wing is stable
+# while the iteration with $\omega = 1$ diverges, and explain why the $\theta$ of (12.10) does not
+# occur for $\lambda > 1$.
+#
+# <details><summary>Hint</summary>
+#
+# Subtract the equation for the steady state from (12.9). By which factor is the error multiplied?
+#
+# </details>
 
-# %% [markdown] answer="12.12" points=3
-# (a) By (12.9) and (12.10), $\theta^{n+1} = (1-\omega)\theta^n + \omega\lambda(\alpha_0 +
-# \theta^n)$, so the error is multiplied by $1 - \omega(1-\lambda)$ in each step. For $\lambda < 1$
-# its modulus is less than one exactly if $0 < \omega < 2/(1-\lambda)$. For $\lambda > 1$ the factor
-# exceeds one for all $\omega > 0$: no relaxation helps. (b) Any $\lambda < -1$, as $\lambda = -2$:
-# lift behind the spring turns the nose back, the wing is stable, but with $\omega = 1$ the factor
-# is $\lambda$, and the iterates swing wider and wider. $\omega = 1/(1-\lambda)$ makes it zero, so
-# that one step suffices; here a third. (c) It is an equilibrium, with the nose down, in which any
-# small turn grows: the moment of the lift increases faster than that of the spring. No wing stays
-# there.
+# %% [markdown] answer="12.12" points=3 minutes=10 words=60
+# By (12.9) and (12.10), $\theta^{n+1} = (1-\omega)\theta^n + \omega\lambda(\alpha_0 + \theta^n)$,
+# so the error is multiplied by $1 - \omega(1-\lambda)$ in each step. For $\lambda < 1$ its modulus
+# is less than 1 exactly if $0 < \omega < 2/(1-\lambda)$. For $\lambda > 1$ the factor exceeds 1
+# for all $\omega > 0$: no relaxation helps. Any $\lambda < -1$ is an example, such as $\lambda =
+# -2$: lift behind the axis rotates the nose back, so the wing is stable, but with $\omega = 1$ the
+# factor is $\lambda$ and the iterates oscillate with growing amplitude. ($\omega = 1/(1-\lambda)$
+# makes the factor zero.) For $\lambda > 1$ the $\theta$ of (12.10) is an equilibrium with the nose
+# down, in which any small rotation grows: the moment of the lift increases faster than that of the
+# spring. An unstable equilibrium does not occur.
 
 # %% [markdown] rubric="12.12"
-# One point for the factor and both cases. One for an example with $\lambda < -1$ (or $\omega$ too
-# large) and the best $\omega$. One for an equilibrium that is unstable.
+# One point for the factor and both cases. One for an example with $\lambda < -1$. One for an
+# equilibrium that is unstable.
 
 # %% [markdown]
-# ## A wing in the wind
+# ## An elastic wing with sweep
 #
-# Last, a wing of half span one and constant chord, drawn with its deflection enlarged: a beam that
-# bends and twists, two spars of nodes, and strips of air whose lift depends on their angle *in the
-# direction of the wind*. The pressure is told as a part of the closed form for a straight wing that
-# twists only,
+# Finally a wing of half span 1 and constant chord, drawn with its deflection enlarged. Its
+# structure is a beam that bends and twists, with two rows of nodes. The air is divided into strips
+# whose lift depends on their angle *in the direction of the wind*. The *sweep* is the angle by
+# which the wing points backward. The pressure is given as a multiple of the closed form for a
+# straight wing that only twists,
 #
 # $$ q_D = \Bigl(\frac{\pi}{2 l}\Bigr)^2 \frac{GJ}{c\, e\, a}, \tag{12.12} $$
 #
-# with the torsional stiffness $GJ$, half span $l$, chord $c$, the arm $e$ and the lift slope $a$.
-# Raise the pressure first. Then sweep the wing back, and forward.
+# with the torsional stiffness $GJ$, half span $l$, chord $c$, the distance $e$ and the lift slope
+# $a$. The function `swept_wing` below assembles $\mathbf{K}$, $\mathbf{H}$, $\mathbf{f}_0$ and
+# $\mathbf{A}$: $\mathbf{K}$ has a term for each twist between neighbouring stations, and one for
+# each curvature of the axis. Increase the pressure first. Then sweep the wing backward, and
+# forward.
 
 
 # %%
 def swept_wing(sweep, n=10, strips=20, chord=0.2, slope=2 * np.pi):
-    """Return K, H, f0 for an angle of one, A, for q as a part of (12.12); strips; and the skin."""
+    """Return K, H, f0 and A for a pressure in units of (12.12), strips, and edges of the skin."""
     h, apart = 1 / n / np.cos(sweep), 0.16
     along, across = (
         np.array([np.sin(sweep), np.cos(sweep)]),
@@ -760,54 +896,56 @@ def swept_wing(sweep, n=10, strips=20, chord=0.2, slope=2 * np.pi):
 )
 def in_the_wind(q, sweep):
     K, H, f0, A, y, edges = swept_wing(np.radians(sweep))
-    limit = divergence(K, H, A)
+    limit = float(divergence(K, H, A))
     stands = not 0 < limit <= q
     w = 0.05 * H @ iterates(K, H, q * f0, q * A, 0.25, 1000)[-1] if stands else None
     x, along = np.vstack(edges).T
-    with figure(6.4, 3.2) as page:
-        left, right = page.subplots(1, 2, width_ratios=[1.25, 1])
+    with figure(6.6, 4.9) as page:
+        above, below = page.subplots(2, 1, height_ratios=[1.8, 1])
         rigid = f0.reshape(2, -1).sum(0)
-        for up, color, name in ((0 * x, GREY, "stiff"), (w, BLUE, "elastic")):
+        for up, color, name in ((0 * x, GREY, "rigid"), (w, BLUE, "elastic")):
             if up is None:
-                right.text(0.5, 3, "no steady state", ha="center", color=ORANGE)
+                below.text(0.5, 3, "no stable steady state", ha="center", color=ORANGE)
                 continue
-            places = np.column_stack([along + 0.3 * x, up - 0.7 * x])
-            front, back = places.reshape(2, -1, 2)
-            left.plot(*np.vstack([front, back[::-1], front[:1]]).T, color=color)
+            drawn = np.column_stack([along + 0.25 * x, up - 0.45 * x])
+            front, back = drawn.reshape(2, -1, 2)
+            above.plot(*np.vstack([front, back[::-1], front[:1]]).T, color=color)
+            above.plot(
+                *np.stack([front, back], axis=1)[::3].transpose(2, 1, 0), color=color, lw=0.6
+            )
             lift = (f0 + A @ up / 0.05).reshape(2, -1).sum(0)
-            right.plot(y, lift / rigid[0], color=color, label=name)
-        left.set(xlim=(-0.1, 1.3), ylim=(-0.6, 0.85), aspect="equal")
-        left.axis("off")
-        right.set(xlabel="along the span", ylabel="lift per span", ylim=(0, 6))
-        told = f"it diverges at {limit:.2f}" if 0 < limit < 50 else "it never diverges"
-        left.set_title(
-            f"sweep {sweep:.0f}°, pressure {q:.2f}: {told}".replace("-", "\N{MINUS SIGN}")
+            below.plot(y, lift / rigid[0], color=color, label=name)
+        above.set(xlim=(-0.02, 1.18), ylim=(-0.36, 0.3), aspect="equal")
+        above.axis("off")
+        below.set(xlabel="position along the span", ylabel="lift per span", ylim=(0, 6))
+        below.legend(loc="upper left")
+        result = f"divergence at {limit:.2f}" if 0 < limit < 50 else "no divergence"
+        above.set_title(
+            f"sweep {sweep:.0f}°, pressure {q:.2f}: {result}".replace("-", "\N{MINUS SIGN}")
         )
-        page.legend(loc="outside lower center", ncols=2)
     return page
 
 
 # %% [markdown]
-# **What to look at.** Straight, the wing diverges near the pressure one of the closed form,
-# although the loop knows nothing of it: not of the formula, and of the structure only what
-# $\mathbf{H}$ and $\mathbf{H}^T$ carry. Near that pressure the tip takes a lift far above that of a
-# stiff wing. Swept back, bending turns the tip out of the wind; lift is *lost* to elasticity, as it
-# is in an airliner, and the wing hardly ever diverges. Swept forward, bending turns the tip into
-# the wind.
+# **What to look at.** The straight wing diverges at about 1.02 times the pressure of the closed
+# form. The computation does not use the formula; it knows the structure by $\mathbf{K}$,
+# $\mathbf{H}$ and $\mathbf{H}^T$ only. Near this pressure the lift at the tip is far above that of
+# a rigid wing. With backward sweep, bending rotates the tip out of the wind: elasticity *reduces*
+# the lift, as in an airliner, and divergence needs a much higher pressure or does not occur. With
+# forward sweep, bending rotates the tip into the wind, and the wing diverges earlier.
 #
 # ## Dig deeper
 #
-# - Leave the polynomial out of (12.1), or take a constant only. Which of the three errors in *What
-#   goes wrong* stay at rounding?
-# - A method that does not interpolate: fit one plane to all nodes by least squares, and let
-#   $\mathbf{H}$ be the weights of that. Does it keep work, force and moment? What would a bent wing
-#   say to it?
-# - Aitken's relaxation chooses $\omega$ anew in each step from the last two answers,
+# - Omit the polynomial in (12.1), or use a constant only. Which of the three errors in the
+#   comparison of load transfers remain at rounding level?
+# - Fit one plane to all nodes by least squares, and let $\mathbf{H}$ be the weights of this fit.
+#   Which of work, force and moment are conserved? Which displacements of a bent wing are lost?
+# - *Aitken's relaxation* chooses $\omega$ anew in each step from the last two residuals,
 #   $\omega_{n} = -\omega_{n-1}\, \mathbf{r}_{n-1}^T(\mathbf{r}_n - \mathbf{r}_{n-1}) /
-#   \lVert\mathbf{r}_n - \mathbf{r}_{n-1}\rVert^2$ with $\mathbf{r}_n$ the answer of the structure
-#   less $\mathbf{u}^n$. Why does it need two steps for the typical section, whatever $\lambda \ne
-#   1$?
-# - What happens at $\lambda > 1$ then, and is that good news?
+#   \lVert\mathbf{r}_n - \mathbf{r}_{n-1}\rVert^2$, where $\mathbf{r}_n =
+#   \mathbf{K}^{-1}\mathbf{H}^T\mathbf{f} - \mathbf{u}^n$ (Küttler and Wall, *Computational
+#   Mechanics* 43, 2008, pages 61–72). Show that it needs two steps for the typical section, for
+#   every $\lambda \ne 1$. What does it find for $\lambda > 1$?
 
 # %%
 progress()

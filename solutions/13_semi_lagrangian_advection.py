@@ -1,5 +1,10 @@
 # ---
 # jupyter:
+#   course:
+#     builds_on:
+#       "12": a reconstruction as a matrix of weights
+#     pages: book, section 1.3
+#     chapters: [13-advection]
 #   jupytext:
 #     text_representation:
 #       extension: .py
@@ -11,21 +16,26 @@
 # ---
 
 # %% [markdown]
-# # Fields that move with the flow
+# # Semi-Lagrangian advection
 #
-# Smoke in the wind, salt in the sea: what is carried along changes its place and not its value. So
-# the value here and now is the value a moment ago at the place from which the particle came. That
-# place is hardly ever one at which the value is known, and finding the value there is what field
-# reconstruction is for.
+# Smoke moves with the wind, and salt with the sea. The concentration that a particle carries does
+# not change on its way. So the value here and now is the value one time step ago at the point from
+# which the particle came, its *departure point*. The field is hardly ever known at this point, and
+# must be reconstructed there from values at scattered sites. Weather models use this
+# *semi-Lagrangian* method (Staniforth and Côté, *Monthly Weather Review* 119, 1991, pages
+# 2206–2223).
 #
-# By the end of this notebook you have written the whole method for points without any mesh: feet of
-# characteristics by three schemes, a step as a matrix, bounds and mass that are kept, and a flow
-# that carries itself. You know why a step may be much longer than the way to the next point, and
-# why the shortest steps are not the best.
+# In this notebook you write the method without any mesh: departure points by three schemes, the
+# step as a matrix, bounds, conservation of mass, and a flow whose velocity is the transported
+# quantity. You will see why a step may be much longer than the distance between sites, and why the
+# shortest steps are not the best.
 #
-# There are eight short functions and four questions in words. You need nothing from other
-# notebooks. Numbers in brackets, such as (13.1), are those of formulas; numbers without are those
-# of questions.
+# **Sources.** Wendland, *Scattered Data Approximation* (2005), pages 6–8; Staniforth and Côté
+# (1991) and Behrens and Iske (2002) below. Search for: advection equation, characteristics,
+# semi-Lagrangian method, CFL number, Runge–Kutta method, quasi-monotone scheme, Burgers' equation.
+# Questions 11.5 and 12.1 ask for the linear system of this notebook, so here it is given.
+# Numbers in brackets, such as (13.1), belong to formulas; numbers without brackets belong to
+# questions.
 
 # %% tags=["setup"]
 import numpy as np
@@ -37,6 +47,7 @@ from fieldcheck import (
     ORANGE,
     PURPLE,
     Slider,
+    case,
     check,
     data,
     draw,
@@ -46,33 +57,33 @@ from fieldcheck import (
 )
 
 # %% [markdown]
-# ## The problem in a picture
+# ## Transport along particle paths
 #
-# A vortex carries a hill. Values are known at the dots. The orange dot on the right asks for the
-# value now; a step $\Delta t$ ago its particle was at the orange cross on the left, and there is no
-# dot.
+# A vortex transports a field with one peak. The field is known at the dots. The orange dot on the
+# right is a site where the new value is required. One step $\Delta t$ ago the particle was at the
+# orange cross on the left, where no value is known.
 
 
 # %%
 def scattered_in_disc(n, seed=1):
-    """Return n scattered places in the unit disc."""
+    """Return n scattered points in the unit disc."""
     random = np.random.default_rng(seed)
     angle = np.pi * (1 + np.sqrt(5)) * np.arange(n)
     radius = np.sqrt((np.arange(n) + 0.5) / n)
-    places = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
-    places += random.uniform(-0.3, 0.3, (n, 2)) / np.sqrt(n)
-    return places / np.maximum(1, np.hypot(*places.T))[:, None]
+    points = radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    points += random.uniform(-0.3, 0.3, (n, 2)) / np.sqrt(n)
+    return points / np.maximum(1, np.hypot(*points.T))[:, None]
 
 
 def exact_feet(x, t, dt):
-    """Return where the vortex below had the places x (M, 2) of time t at the time t - dt."""
+    """Return the exact departure points, at time t - dt, of points x (M, 2) at time t in flow 1."""
     angle = np.pi * ((1 + t) ** 2 - (1 + t - dt) ** 2) / (1 + 4 * (x**2).sum(axis=1))
     z = (x[:, 0] + 1j * x[:, 1]) * np.exp(-1j * angle)
     return np.column_stack([z.real, z.imag])
 
 
 def hill(x, sharpness=14):
-    """Return a hill with its top at (0.45, 0)."""
+    """Return a Gaussian hill with its top at (0.45, 0)."""
     return np.exp(-sharpness * ((x[:, 0] - 0.45) ** 2 + x[:, 1] ** 2))
 
 
@@ -81,47 +92,49 @@ def the_problem(dt):
     sites, t = scattered_in_disc(120), 0.6
     side = np.linspace(-1, 1, 81)
     grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
-    asked = sites[np.argmin(((sites - [-0.25, 0.5]) ** 2).sum(axis=1))][None]
-    path = np.vstack([exact_feet(asked, t, s) for s in np.linspace(0, dt, 30)])
+    site = sites[np.argmin(((sites - [-0.25, 0.5]) ** 2).sum(axis=1))][None]
+    path = np.vstack([exact_feet(site, t, s) for s in np.linspace(0, dt, 30)])
     with figure(6.4, 3.2) as page:
         panels = page.subplots(1, 2)
-        for axes, time, place, mark in zip(panels, (t - dt, t), path[[-1, 0]], "Xo"):
+        for axes, time, point, mark in zip(panels, (t - dt, t), path[[-1, 0]], "Xo"):
             values = hill(exact_feet(grid, time, time)).reshape(81, 81)
             axes.contourf(side, side, values, np.linspace(0.1, 1, 10), cmap="Blues")
             axes.plot(*sites.T, ".", color=GREY, ms=3)
             axes.plot(*path.T, ":", color=ORANGE)
-            axes.plot(*place, mark, color=ORANGE, ms=9)
+            axes.plot(*point, mark, color=ORANGE, ms=9)
             axes.set(aspect="equal", xlim=(-1.05, 1.05), ylim=(-1.05, 1.05))
             axes.axis("off")
-        panels[0].set_title("a step ago")
+        panels[0].set_title("one step ago")
         panels[1].set_title("now")
     return page
 
 
 # %% [markdown]
-# ## The idea
+# ## Characteristics and departure points
 #
-# Let $\mathbf{a}(\mathbf{y}, t)$ be the velocity of the flow. A field $u$ that is carried along
-# obeys
+# Let $\mathbf{a}(\mathbf{y}, t)$ be the velocity of the flow. A transported field $u$ satisfies
+# the *advection equation*
 #
 # $$ \frac{\partial u}{\partial t} + \mathbf{a} \cdot \nabla u = 0 . \tag{13.1} $$
 #
-# The path of a particle, $\dot{\mathbf{y}} = \mathbf{a}(\mathbf{y}, \tau)$, is called
-# a *characteristic*, and along it nothing changes. Follow the one through $\mathbf{x}$ at the time
-# $t$ back for a while $\Delta t$, to its *foot*:
+# The path of a particle, $\dot{\mathbf{y}} = \mathbf{a}(\mathbf{y}, \tau)$, is called a
+# *characteristic*; $u$ is constant along it. Follow the characteristic through $\mathbf{x}$ at the
+# time $t$ back to the time $t - \Delta t$. The point reached is the departure point, also called
+# the *foot* of the characteristic, and
 #
 # $$ u(\mathbf{x}, t) = u\bigl(\mathbf{y}(t - \Delta t),\, t - \Delta t\bigr), \qquad
 #    \dot{\mathbf{y}}(\tau) = \mathbf{a}(\mathbf{y}(\tau), \tau), \quad \mathbf{y}(t) = \mathbf{x} .
 #    \tag{13.2} $$
 #
-# Three flows are given, by number. Number 0 turns as a whole, once in the time one. Number 1 is a
-# vortex, slower outside, that gets faster with time. Number 2, on the square from $-1$ to $1$,
-# stretches what it carries, and reverses: at the time one all is back.
+# Three flows are given by numbers. Flow 0 is a solid rotation with period 1. Flow 1 is a vortex:
+# the rotation is slower at larger radii and becomes faster with time. Flow 2, on the square from
+# $-1$ to $1$, deforms the field and then reverses: at the time 1 each particle is back where it
+# started.
 
 
 # %% tags=["setup"]
 def velocity(y, t, flow):
-    """Return a(y, t), of shape (M, 2), at places y (M, 2), in the flow number 0, 1 or 2."""
+    """Return a(y, t), of shape (M, 2), at points y (M, 2), in flow 0, 1 or 2."""
     y1, y2 = y.T
     if flow == 2:
         right = np.cos(np.pi * y1 / 2) ** 2 * np.sin(np.pi * y2)
@@ -132,19 +145,41 @@ def velocity(y, t, flow):
 
 
 # %% [markdown]
-# ## Feet
+# ## Departure points by Runge–Kutta schemes
 #
-# The foot is found by one step of a scheme for ordinary differential equations, *backward* in time.
-# The simplest is Euler's: go straight back with the velocity of here and now,
+# A departure point is computed by one step of a scheme for ordinary differential equations,
+# *backward* in time. The simplest is Euler's scheme, a straight step with the velocity at
+# $\mathbf{x}$ and $t$:
 #
 # $$ \mathbf{y} = \mathbf{x} - \Delta t\, \mathbf{a}(\mathbf{x}, t) . \tag{13.3} $$
 #
-# ### 13.1 Euler
+# **Example.** In flow 0, let $\mathbf{x} = (1, 0)$ and $\Delta t = 1/8$. The velocity at
+# $\mathbf{x}$ is $2\pi\,(0, 1)$, so Euler's foot is $(1, -\pi/4) \approx (1, -0.785)$. The exact
+# foot is the point on the circle 45 degrees back, $(0.707, -0.707)$. Euler's foot lies outside the
+# circle, at the radius 1.272.
+#
+# A better scheme goes half a step first and uses the velocity *there*, at the time $t - \Delta
+# t/2$, for the whole step. This is the *midpoint rule* (13.4) below. In the example, the midpoint
+# is $(1, -\pi/8)$. Its velocity is $2\pi\,(\pi/8, 1)$, so the foot is $(1 - \pi^2/32,\ -\pi/4)
+# \approx (0.692, -0.785)$, at the radius 1.046. The next cell computes these numbers.
+
+# %%
+start, dt = np.array([[1.0, 0.0]]), 1 / 8
+to_the_midpoint = dt / 2 * velocity(start, 0, 0)
+for name, a in (
+    ("Euler", velocity(start, 0, 0)),
+    ("midpoint", velocity(start - to_the_midpoint, -dt / 2, 0)),
+):
+    foot = start - dt * a
+    print(f"{name:10}", foot.round(3), "radius", np.hypot(*foot[0]).round(3))
+
+# %% [markdown]
+# ### 13.1 Euler's scheme
 
 
-# %% question="13.1"
+# %% question="13.1" minutes=15
 def euler(x, t, dt, flow):
-    """Return the feet y of (13.3), of shape (M, 2), at time t - dt of places x (M, 2) at time t."""
+    """Return the feet y (M, 2) of (13.3), at time t - dt, of points x (M, 2) at time t."""
     # BEGIN SOLUTION
     return x - dt * velocity(x, t, flow)
     # END SOLUTION
@@ -154,17 +189,21 @@ def euler(x, t, dt, flow):
 check("13.1")
 
 # %% [markdown]
-# Better: go half-way, and take the velocity of that place *at that time* for the whole step,
+# The midpoint rule is
 #
 # $$ \mathbf{y} = \mathbf{x} - \Delta t\, \mathbf{a}\bigl(\mathbf{x} - \tfrac12 \Delta t\,
 #    \mathbf{a}(\mathbf{x}, t),\; t - \tfrac12 \Delta t\bigr) . \tag{13.4} $$
 #
 # ### 13.2 The midpoint rule
+#
+# Before you run the check, predict: by which factor does the error of *one* step fall if $\Delta
+# t$ is halved, for Euler's scheme and for the midpoint rule? (The order of a scheme is one less
+# than the power of $\Delta t$ in the error of one step.)
 
 
-# %% question="13.2"
+# %% question="13.2" minutes=10
 def midpoint(x, t, dt, flow):
-    """Return the feet y of (13.4), of shape (M, 2), at time t - dt of places x (M, 2) at time t."""
+    """Return the feet y (M, 2) of (13.4), at time t - dt, of points x (M, 2) at time t."""
     # BEGIN SOLUTION
     middle = x - dt / 2 * velocity(x, t, flow)
     return x - dt * velocity(middle, t - dt / 2, flow)
@@ -175,7 +214,7 @@ def midpoint(x, t, dt, flow):
 check("13.2")
 
 # %% [markdown]
-# The classical scheme of Runge and Kutta looks at four velocities,
+# The classical Runge–Kutta scheme of fourth order (RK4) uses four velocities,
 #
 # $$ \begin{aligned}
 #    \mathbf{a}_1 &= \mathbf{a}(\mathbf{x},\ t), \\
@@ -188,12 +227,12 @@ check("13.2")
 #    \mathbf{a}_4) .
 #    \end{aligned} \tag{13.5} $$
 #
-# ### 13.3 Runge and Kutta
+# ### 13.3 The Runge–Kutta scheme RK4
 
 
-# %% question="13.3"
+# %% question="13.3" minutes=20
 def rk4(x, t, dt, flow):
-    """Return the feet y of (13.5), of shape (M, 2), at time t - dt of places x (M, 2) at time t."""
+    """Return the feet y (M, 2) of (13.5), at time t - dt, of points x (M, 2) at time t."""
     # BEGIN SOLUTION
     a1 = velocity(x, t, flow)
     a2 = velocity(x - dt / 2 * a1, t - dt / 2, flow)
@@ -207,9 +246,9 @@ def rk4(x, t, dt, flow):
 check("13.3")
 
 # %% [markdown]
-# Your own eight places in the vortex, their true paths back in time, and your three kinds of feet
-# after *one* step. The black rings are where the particles were. Lengthen the step: which feet
-# leave their path first, and to which side?
+# The picture shows your own eight points in the vortex, their exact paths back in time, and your
+# departure points after *one* step of each scheme. The black rings are the exact departure points.
+# Increase the step: which departure points leave their path first, and to which side?
 
 
 # %%
@@ -220,8 +259,8 @@ def three_feet(dt):
         axes = page.subplots()
         paths = np.array([exact_feet(x, t, s) for s in np.linspace(0, dt, 40)])
         axes.plot(*paths.transpose(2, 0, 1), color=GREY, lw=1)
-        axes.plot(*x.T, ".", color="black", ms=4, label="places now")
-        axes.plot(*paths[-1].T, "o", mfc="none", color="black", ms=11, label="true feet")
+        axes.plot(*x.T, ".", color="black", ms=4, label="points now")
+        axes.plot(*paths[-1].T, "o", mfc="none", color="black", ms=11, label="exact feet")
         looks = zip((euler, midpoint, rk4), (ORANGE, PURPLE, BLUE), "^so")
         for scheme, color, marker in looks:
             axes.plot(*scheme(x, t, dt, 1).T, marker, color=color, ms=5, label=scheme.__name__)
@@ -232,8 +271,9 @@ def three_feet(dt):
 
 
 # %% [markdown]
-# How fast the errors fall is the *order*. Below, particles are traced from the time one to the time
-# zero in more and more steps. The numbers are the slopes between the last two marks.
+# The next picture shows the error over a fixed time, when particles are traced from the time 1 to
+# the time 0 in more and more steps. The numbers are the slopes between the last two marks: the
+# *orders* of the schemes. They should be near 1, 2 and 4.
 
 
 # %%
@@ -260,55 +300,54 @@ def orders():
                 color=color,
                 label=f"{scheme.__name__}, {slope:.2f}",
             )
-        axes.set(xlabel=r"step $\Delta t$", ylabel="error of the feet")
+        axes.set(xlabel=r"step $\Delta t$", ylabel="error of the departure points")
         axes.grid(alpha=0.3)
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
 
 
 # %% [markdown]
-# **13.4** (a) Prove: if $u$ obeys (13.1), then $u$ is constant along characteristics. (b) Is
-# every curve along which $u$ is constant a characteristic? Find a counterexample. (c) A scheme that
-# computes the new value at a point of a grid from those of its direct neighbours needs
-# $\lvert\mathbf{a}\rvert\, \Delta t \le h$, with $h$ the spacing. Why? Why does nothing of the kind
-# limit (13.2), and what limits $\Delta t$ then?
+# **13.4** A scheme on a grid that computes a new value from the
+# values at direct neighbours must satisfy the *CFL condition* $\lvert\mathbf{a}\rvert\, \Delta t /
+# h \le 1$, with the spacing $h$; the left side is the *CFL number*. Prove that $u$ is constant
+# along characteristics. Use this to explain why the CFL condition is necessary there, and why it
+# does not limit (13.2). What limits $\Delta t$ in (13.2) instead?
 #
 # <details><summary>Hint</summary>
 #
-# For (b) take $\mathbf{a} = (1, 0)$ and a field that does not depend on $y_2$. For (c) ask from
-# where the information comes that decides the new value.
+# Differentiate $u(\mathbf{y}(\tau), \tau)$ by the chain rule. Which point determines the new
+# value, and which values does each scheme use?
 #
 # </details>
 
-# %% [markdown] answer="13.4" points=3
-# (a) By the chain rule $\frac{d}{d\tau} u(\mathbf{y}(\tau), \tau) = u_t + \dot{\mathbf{y}} \cdot
-# \nabla u = u_t + \mathbf{a}\cdot\nabla u = 0$. (b) With $\mathbf{a} = (1, 0)$ and $u = g(y_1 - t)$
-# the curve $\mathbf{y}(t) = (t, \sin t)$ has $u = g(0)$ throughout, but its velocity is $(1, \cos
-# t)$, not $\mathbf{a}$. (In the extreme, a constant field is constant along every curve.) (c) The
-# true value is decided at the foot. If the particle comes from farther than the direct neighbours,
-# their values do not contain it, and no formula that uses only them can be right. (13.2) looks up
-# the value *at* the foot, however far that is. Only the foot itself must be right: the step is
-# limited by how much the velocity changes along it, $\Delta t\, \lVert\nabla\mathbf{a}\rVert$, and
-# not by the spacing of the points.
+# %% [markdown] answer="13.4" points=3 minutes=10 words=60
+# By the chain rule $\frac{d}{d\tau} u(\mathbf{y}(\tau), \tau) = u_t + \dot{\mathbf{y}} \cdot
+# \nabla u = u_t + \mathbf{a}\cdot\nabla u = 0$. So the new value is determined at the departure
+# point. If the particle comes from farther than the direct neighbours, their values do not contain
+# it, and no formula that uses only them can be right. (13.2) evaluates the field *at* the
+# departure point, however far away it is. Only the departure point itself must be accurate: the
+# step is limited by the change of the velocity along the path, $\Delta t\,
+# \lVert\nabla\mathbf{a}\rVert$, and not by the spacing of the sites.
 
 # %% [markdown] rubric="13.4"
-# One point for the chain rule. One for a counterexample with a curve and its velocity. One for the
-# foot as what decides the value, and the change of the velocity as what limits the step.
+# One point for the chain rule. One for the departure point as what determines the value, for both
+# schemes. One for the change of the velocity as what limits the step.
 
 # %% [markdown]
-# ## One step is a matrix
+# ## One step as a matrix
 #
-# Let $\mathbf{x}_1, \dots, \mathbf{x}_N$ be the sites, scattered as they are, $\mathbf{u}^n$ the
-# values at the time $t_n$, and $\mathbf{y}_i$ the foot of $\mathbf{x}_i$ after the step to
-# $t_{n+1}$. Some method makes a field $s$ of the values; then the new value is $u_i^{n+1} =
-# s_{\mathbf{u}^n}(\mathbf{y}_i)$. If the method is linear,
+# Let $\mathbf{x}_1, \dots, \mathbf{x}_N$ be scattered sites, $\mathbf{u}^n$ the values at the time
+# $t_n$, and $\mathbf{y}_i$ the departure point of $\mathbf{x}_i$ for the step to $t_{n+1}$. Let
+# $s_{\mathbf{u}}$ be a field that is reconstructed from the values. Then $u_i^{n+1} =
+# s_{\mathbf{u}^n}(\mathbf{y}_i)$. If the reconstruction is linear in the values,
 #
 # $$ \mathbf{u}^{n+1} = \mathbf{H}\, \mathbf{u}^n , \tag{13.6} $$
 #
-# and row $i$ of $\mathbf{H}$ holds the weights of the sites for the place $\mathbf{y}_i$. We take
-# the field that bends least through the $k$ sites nearest to $\mathbf{y}$, in any dimension $D$.
-# Call these sites $\mathbf{z}_1, \dots, \mathbf{z}_k$. Their weights are the first $k$ entries of
-# $\mathbf{w}$ in
+# and row $i$ of $\mathbf{H}$ contains the weights of the sites for the point $\mathbf{y}_i$. We
+# use radial basis functions with the kernel $r^3$ on the $k$ sites nearest to $\mathbf{y}_i$, in
+# any dimension $D$. (See Behrens and Iske, *Computers & Mathematics with Applications* 43, 2002,
+# pages 319–327.) Call these sites $\mathbf{z}_1, \dots, \mathbf{z}_k$. Their weights are the first
+# $k$ entries of $\mathbf{w}$ in
 #
 # $$ \begin{bmatrix} \boldsymbol{\Phi} & \mathbf{P} \\ \mathbf{P}^T & \mathbf{0} \end{bmatrix}
 #    \mathbf{w} =
@@ -331,17 +370,43 @@ def system(z):
 
 
 # %% [markdown]
+# **Example.** Sites on a line at 0, 1 and 2, a departure point at $y = 1/2$, and $k = 3$. The
+# weights are $\frac1{32}(13, 22, -3)$; the system is written out in notebook 12. They sum to 1,
+# and their mean of the sites is $(22 - 6)/32 = 1/2$. The values $\mathbf{u} = (0, 1, 0)$ give the
+# new value $22/32$. The values $(1, 0, 1)$ give $10/32$. With the values $(0, 0, 1)$ the new value
+# is $-3/32$, which is less than all old values.
+#
+# The next function is finished. It is the crudest semi-Lagrangian step: the new value is the value
+# of the site nearest to the departure point.
+
+
+# %%
+def nearest_values(sites, u, feet):
+    """Return the values u (N,) of the sites (N, D) nearest to the feet (M, D), of shape (M,)."""
+    new = np.zeros(len(feet))
+    for m, foot in enumerate(feet):
+        squares = ((sites - foot) ** 2).sum(axis=1)
+        new[m] = u[squares.argmin()]
+    return new
+
+
+three = np.array([[0.0], [1.0], [2.0]])
+print(nearest_values(three, np.array([0.0, 1.0, 0.0]), np.array([[0.4], [0.6]])))
+print(32 * np.linalg.solve(system(three), [1 / 8, 1 / 8, 27 / 8, 1, 1 / 2])[:3])
+
+# %% [markdown]
 # ### 13.5 The matrix of a step
 #
 # <details><summary>Hint</summary>
 #
-# Begin with zeros and fill one row after the other. `np.argsort` of distances tells which sites are
-# near; an array of numbers of columns may stand on the left of `=`.
+# Begin with a matrix of zeros and fill one row after the other. `np.argsort` of the distances
+# gives the nearest sites first. An array of column numbers may be used as an index on the left of
+# `=`.
 #
 # </details>
 
 
-# %% question="13.5"
+# %% question="13.5" minutes=20
 def step_matrix(sites, feet, k):
     """Return H of (13.6), of shape (M, N), for sites (N, D), feet (M, D) and k nearest sites."""
     # BEGIN SOLUTION
@@ -361,16 +426,16 @@ check("13.5")
 # %% [markdown]
 # ### 13.6 Many steps
 #
-# Begin at the time zero and make steps of the length $\Delta t$. The feet, by your `rk4`, are those
-# of the sites at the time of *arrival*, $t_{n+1} = (n + 1)\Delta t$; if the velocity depends on
-# time, they and $\mathbf{H}$ are other ones in each step.
+# Begin at the time 0 and make steps of length $\Delta t$. The departure points, by your `rk4`,
+# belong to the sites at the time of *arrival*, $t_{n+1} = (n + 1)\Delta t$. If the velocity
+# depends on time, departure points and $\mathbf{H}$ must be computed again in each step.
 
 
-# %% question="13.6"
+# %% question="13.6" minutes=15
 def advect(sites, u, dt, steps, flow, k):
     """Return u^0, …, u^steps of (13.6), of shape (steps + 1, N).
 
-    u (N,) are the values at the time zero at the sites (N, 2).
+    u (N,) holds the values at the time 0 at the sites (N, 2).
     """
     # BEGIN SOLUTION
     fields = [u]
@@ -385,15 +450,15 @@ def advect(sites, u, dt, steps, flow, k):
 check("13.6")
 
 # %% [markdown]
-# ## Once round
+# ## Solid rotation with large CFL numbers
 #
-# A hill and a slotted disc on 400 sites that turn once as a whole. The end should be the beginning.
-# Begin with few steps: between two of them the particles fly over many sites. Then take many.
+# A slotted disc and a hill, on 400 sites, make one solid rotation. The exact result is the initial
+# field. Begin with few steps, then take many.
 
 
 # %%
 def slotted(x):
-    """Return one in a disc with a slot, zero elsewhere, and a hill beside it."""
+    """Return 1 in a disc with a slot and 0 elsewhere, plus a hill beside the disc."""
     inside = np.hypot(x[:, 0], x[:, 1] - 0.45) < 0.38
     slot = (np.abs(x[:, 0]) < 0.09) & (x[:, 1] < 0.55)
     beside = x + [0.75, 0.5]
@@ -411,35 +476,34 @@ def show_field(axes, sites, u, title):
 
 
 @draw(
-    steps=Slider(3, 60, 12, "steps in one turn", whole=True),
-    k=Slider(6, 40, 21, "sites that count", whole=True),
+    steps=Slider(3, 60, 12, "steps in one rotation", whole=True),
+    k=Slider(6, 40, 21, "nearest sites k", whole=True),
 )
 def once_round(steps, k):
     sites = scattered_in_disc(400)
     u = slotted(sites)
-    H = step_matrix(sites, rk4(sites, 0, 1 / steps, 0), k)
+    H = np.asarray(step_matrix(sites, rk4(sites, 0, 1 / steps, 0), k))
     end = np.linalg.matrix_power(H, steps) @ u
     spacing = np.sqrt(np.pi / len(sites))
     with figure(6.4, 3.2) as page:
         left, right = page.subplots(1, 2)
-        show_field(left, sites, u, "at the beginning")
-        show_field(right, sites, end, "after one turn")
+        show_field(left, sites, u, "initial field")
+        show_field(right, sites, end, "after one rotation")
         off = np.sqrt(np.mean((end - u) ** 2))
-        page.suptitle(
-            f"the rim moves {2 * np.pi / steps / spacing:.1f} spacings in a step; error {off:.3f}"
-        )
+        cfl = 2 * np.pi / steps / spacing
+        page.suptitle(f"CFL number at the edge {cfl:.1f}; root-mean-square error {off:.3f}")
     return page
 
 
 # %% [markdown]
-# **What to look at.** With ten steps the rim flies over about seven sites in each, and nothing goes
-# wrong. The edge of the disc, which no sites resolve, is blurred, and near it values leave the
-# range from zero to one.
+# **What to look at.** With ten steps the CFL number at the edge is about 7: the particles pass
+# seven sites per step, and the method remains stable. The edge of the slotted disc, which the
+# sites do not resolve, is blurred. Near it values leave the range from 0 to 1.
 #
-# ## How many steps?
+# ## The best number of steps
 #
-# Now a smooth hill alone, so that errors can be told apart. On your three schemes, the error after
-# one turn against the number of steps:
+# A smooth hill alone makes one rotation. The picture shows the error after one rotation against
+# the number of steps, for your three schemes. (It takes some seconds.)
 
 
 # %%
@@ -459,7 +523,7 @@ def how_many_steps(sites):
             axes.loglog(
                 counts, np.clip(errors, 0, 9), marker + "-", color=color, label=scheme.__name__
             )
-        axes.set(xlabel="steps in one turn", ylabel="error", ylim=(5e-4, 10))
+        axes.set(xlabel="steps in one rotation", ylabel="error", ylim=(5e-4, 10))
         axes.set_xticks(counts, counts)
         axes.minorticks_off()
         axes.grid(alpha=0.3)
@@ -468,44 +532,48 @@ def how_many_steps(sites):
 
 
 # %% [markdown]
-# **13.7** (a) The curve of `rk4` falls and then rises. Explain both, with errors $C_1 \Delta t^{p}$
-# of the feet after the whole time $T$ and $C_2 h^q$ of a single reconstruction, $h$ being the
-# spacing. Which $\Delta t$ is best, and how does it change with $h$? (b) Why is there no error of
-# reconstruction at all for an affine field in the flow number 0? (c) What would $\mathbf{H}$ be if
-# each foot were a site? Why not let the sites go along with the flow, always?
+# **13.7** The error of `rk4` first falls with the number of
+# steps and then rises. Explain both with two error terms: $C_1 \Delta t^{p}$ for the departure
+# points after the whole time $T$, and $C_2 h^q$ for *one* reconstruction, with the spacing $h$ of
+# the sites. Which $\Delta t$ is the best, and how does it depend on $h$?
+#
+# <details><summary>Hint</summary>
+#
+# How many reconstructions are there in the time $T$?
+#
+# </details>
 
-# %% [markdown] answer="13.7" points=3
-# (a) There are $T/\Delta t$ steps, and each reconstructs once, so the whole error is about
-# $C_1\Delta t^p + (T/\Delta t)\, C_2 h^q$. The first part falls as steps get shorter, the second
-# grows: every reconstruction blurs a little. The derivative vanishes at $p\, C_1 \Delta t^{p+1} = T
-# C_2 h^q$, so the best step is proportional to $h^{q/(p+1)}$: with finer sites more steps pay.
-# Euler is on its falling part throughout. (b) The flow is linear in space, so `rk4` maps places
-# linearly, and an affine field of the feet is an affine field of the sites. (13.7) brings affine
-# fields back exactly. What is left is the error of the feet. (c) The identity up to the order of
-# the sites: nothing is reconstructed and nothing blurred. But the flow crowds sites in some places
-# and leaves others without any, so that after a while the field is no longer known everywhere, and
-# new sites need a reconstruction after all.
+# %% [markdown] answer="13.7" points=3 minutes=15 words=70
+# There are $T/\Delta t$ steps, and each reconstructs once, so the whole error is about $C_1\Delta
+# t^p + (T/\Delta t)\, C_2 h^q$. The first term falls as steps get shorter, the second grows: every
+# reconstruction blurs a little. The derivative vanishes at $p\, C_1 \Delta t^{p+1} = T C_2 h^q$,
+# so the best step is proportional to $h^{q/(p+1)}$: with finer sites more steps pay. The error of
+# Euler's scheme falls throughout, since its first term dominates.
 
 # %% [markdown] rubric="13.7"
-# One point for the two parts and the number of steps; the best step may be given by a formula or in
-# words. One for affine fields. One for the identity, with what is against sites that go along.
+# One point for the two terms. One for the number of steps as the factor of the second. One for the
+# best step, by a formula or in words with its dependence on the spacing.
 
 # %% [markdown]
-# ## Bounds
+# ## Bounds: a quasi-monotone scheme
 #
-# A value that is only carried along is never larger than it was. The new one should lie between the
-# values round the foot:
+# Advection does not create new extreme values. The new value should lie between the old values
+# near the departure point:
 #
 # $$ l_i = \min_{j \in \mathcal{N}_i} u_j^n, \qquad h_i = \max_{j \in \mathcal{N}_i} u_j^n ,
 #    \tag{13.8} $$
 #
-# with $\mathcal{N}_i$ the four sites that are nearest to the foot $\mathbf{y}_i$. `np.clip(moved,
-# low, high)` then puts values between their bounds.
+# with $\mathcal{N}_i$ the four sites nearest to the departure point $\mathbf{y}_i$. Then
+# `np.clip(new, low, high)` restricts the new values to their bounds. Such a scheme is called
+# *quasi-monotone* (Bermejo and Staniforth, *Monthly Weather Review* 120, 1992, pages 2622–2632).
+#
+# **Example.** For the sites 0, 1, 2, 3 on a line with the values 0, 0, 1, 0 and any departure
+# point, all four sites are nearest: $l = 0$ and $h = 1$.
 #
 # ### 13.8 The bounds
 
 
-# %% question="13.8"
+# %% question="13.8" minutes=10
 def bounds(sites, u, feet):
     """Return l and h of (13.8), of shape (M,), for sites (N, 2), values u (N,), feet (M, 2)."""
     # BEGIN SOLUTION
@@ -519,35 +587,40 @@ def bounds(sites, u, feet):
 check("13.8")
 
 # %% [markdown]
-# ## Mass
+# ## Conservation of mass
 #
-# If the flow has no divergence and nothing enters, the integral of $u$ stays. Let $m_j$ be the area
-# of site $j$, and $M$ the mass $\sum_j m_j u_j$ that there should be. Of all values within their
-# bounds that have this mass we take those that change least, in the mean square with the weights
-# $m_j$. They are
+# If the flow is divergence-free and nothing enters, the integral of $u$ is constant. Let $m_j$ be
+# the area of site $j$, and $M$ the required mass $\sum_j m_j u_j$. Among all values within their
+# bounds that have this mass, we take those nearest to $\mathbf{u}$ in the mean square with the
+# weights $m_j$. They are
 #
 # $$ v_j = \min\bigl(\max(u_j + \lambda,\ l_j),\ h_j\bigr), \qquad \sum_j m_j v_j = M , \tag{13.9}
 #    $$
 #
-# with one number $\lambda$ for all sites. The mass as a function of $\lambda$ never falls, and is
-# made of straight pieces.
+# with one number $\lambda$ for all sites (compare Bermejo and Conde, *Monthly Weather Review* 130,
+# 2002, pages 423–430). The mass is a nondecreasing, piecewise linear function of $\lambda$.
 #
-# ### 13.9 The mass
+# **Example.** Two sites with $m_1 = m_2 = 1$, $\mathbf{u} = (0, 1)$, $\mathbf{l} = (0, 0)$,
+# $\mathbf{h} = (1, 1.2)$ and $M = 1.6$. The mass must grow by 0.6. With $\lambda = 0.2$ the second
+# value reaches its bound 1.2, and the mass is 1.4. Then only the first value grows, so $\lambda =
+# 0.4$ and $\mathbf{v} = (0.4, 1.2)$.
+#
+# ### 13.9 Correction of the mass
 #
 # <details><summary>Hint</summary>
 #
-# There are two ways. Between $\min_j (l_j - u_j)$ and $\max_j (h_j - u_j)$ one finds $\lambda$ by
-# halving an interval sixty times. Or: where are the corners between the straight pieces? With the
-# masses there, `np.interp` finishes.
+# There are two ways. Bisection: $\lambda$ lies between $\min_j (l_j - u_j)$ and $\max_j (h_j -
+# u_j)$; halve this interval sixty times. Or exactly: at which $\lambda$ does the slope of the mass
+# change? Compute the masses there, and use `np.interp`.
 #
 # </details>
 
 
-# %% question="13.9"
+# %% question="13.9" minutes=15
 def with_mass(u, low, high, m, total):
     """Return v of (13.9), of shape (N,), for values u, bounds low and high, areas m, all (N,).
 
-    total is the mass M, between those of the bounds.
+    total is the required mass M, between the masses of the bounds.
     """
     # BEGIN SOLUTION
     corners = np.sort(np.concatenate([low - u, high - u]))
@@ -560,87 +633,92 @@ def with_mass(u, low, high, m, total):
 # %%
 check("13.9")
 
+
 # %% [markdown]
-# The slotted disc again, on 500 sites and in 24 steps: as it comes, within bounds, and with bounds
-# and mass.
+# The slotted disc again, on 500 sites and in 24 steps: without correction, with bounds, and with
+# bounds and mass.
 
 
 # %%
-def keeping(sites, u, H, feet, bounded, massive):
-    """Return the fields of as many steps as there are in a turn, and what is kept beside."""
+def rotate_with(sites, u, H, feet, bounded, massive):
+    """Return the fields of one rotation in 24 steps, with bounds and mass corrected if wanted."""
     m = np.full(len(sites), np.pi / len(sites))
     fields = [u]
     for _ in range(24):
         low, high = bounds(sites, fields[-1], feet)
-        moved = H @ fields[-1]
+        new = H @ fields[-1]
         if bounded:
-            moved = np.clip(moved, low, high)
+            new = np.clip(new, low, high)
         if massive:
-            moved = with_mass(moved, low, high, m, m @ u)
-        fields.append(moved)
+            new = with_mass(new, low, high, m, m @ u)
+        fields.append(new)
     return np.array(fields)
 
 
 @draw()
-def what_is_kept():
+def bounds_and_mass():
     sites = scattered_in_disc(500)
     u = slotted(sites)
-    feet = rk4(sites, 0, 1 / 24, 0)
-    H = step_matrix(sites, feet, 21)
+    feet = np.asarray(rk4(sites, 0, 1 / 24, 0))
+    H = np.asarray(step_matrix(sites, feet, 21))
     ways = {
-        "as it comes": (False, False),
-        "within bounds": (True, False),
+        "no correction": (False, False),
+        "bounds": (True, False),
         "bounds and mass": (True, True),
     }
     with figure(6.4, 5.0) as page:
         above, below = page.subfigures(2, 1)
         pictures, (left, right) = above.subplots(1, 3), below.subplots(1, 2)
         for axes, (name, kept), color in zip(pictures, ways.items(), (ORANGE, PURPLE, BLUE)):
-            fields = keeping(sites, u, H, feet, *kept)
+            fields = rotate_with(sites, u, H, feet, *kept)
             show_field(axes, sites, fields[-1], name)
             left.plot(fields.max(axis=1), color=color, label=name)
             left.plot(fields.min(axis=1), color=color)
             right.plot(fields.sum(axis=1) / u.sum(), color=color)
-        left.set(xlabel="step", ylabel="extrema")
-        right.set(xlabel="step", ylabel="mass")
+        left.set(xlabel="step", ylabel="minimum and maximum")
+        right.set(xlabel="step", ylabel="mass / initial mass")
         below.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return page
 
 
 # %% [markdown]
-# **What to look at.** Unbounded, values leave the range from zero to one at once, and the mass
-# wanders by a per cent or two. Bounds alone mend the first, and keeping the mass besides changes
-# hardly anything more. What do they cost? Look at the hill.
+# **What to look at.** Without correction, values leave the range from 0 to 1 at once, and the mass
+# varies by one or two per cent. Bounds correct the range. The correction of the mass changes the
+# field hardly visibly. The bounds have a price: compare the height of the hill in the three
+# pictures.
 #
-# **13.10** (a) Why is there exactly one field $\mathbf{v}$ of the form (13.9) if $M$ lies between
-# $\sum_j m_j l_j$ and $\sum_j m_j h_j$, and none otherwise? (b) Which condition on $\mathbf{H}$
-# keeps the mass of *every* field without any correction, which one keeps constants? Which of the
-# two does (13.7) obey? (c) A smooth hill has its top between the sites. What do bounds do to it, in
-# one step and in many?
+# **13.10** Show that (13.9) determines exactly one field
+# $\mathbf{v}$ if $M$ lies between $\sum_j m_j l_j$ and $\sum_j m_j h_j$, even where several
+# $\lambda$ are possible. Which condition on $\mathbf{H}$ would conserve the mass of *every* field
+# without a correction, and why does (13.7) not satisfy it in general?
+#
+# <details><summary>Hint</summary>
+#
+# Regard $v_j$ as a function of $\lambda$. For the second part write the mass after a step as
+# $\mathbf{m}^T\mathbf{H}\mathbf{u}$.
+#
+# </details>
 
-# %% [markdown] answer="13.10" points=3
-# (a) Each $v_j$ is a continuous function of $\lambda$ that never falls, and so is the mass. For
+# %% [markdown] answer="13.10" points=3 minutes=10 words=80
+# Each $v_j$ is a continuous, nondecreasing function of $\lambda$, and so is the mass. For
 # $\lambda$ small enough all are at $l_j$, for $\lambda$ large enough at $h_j$, so every mass
 # between is reached. Where the mass stays the same over a whole interval of $\lambda$, no $v_j$
 # changes there, since none falls and the $m_j$ are positive: the field is unique even if $\lambda$
-# is not. Outside, bounds are in contradiction with the mass. (b) The mass after a step is
-# $\mathbf{m}^T\mathbf{H}\mathbf{u}$; it is that before for every $\mathbf{u}$ exactly if
-# $\mathbf{m}^T\mathbf{H} = \mathbf{m}^T$, a condition on columns. Constants stay if
-# $\mathbf{H}\mathbf{1} = \mathbf{1}$, a condition on rows. (13.7) obeys the second, since the
-# polynomial is in it, not the first. (c) At the top the interpolant is higher than all sites
-# around; the bound cuts that off, though it was right. In every step a little is cut, and the hill
-# gets lower and lower.
+# is not. The mass after a step is $\mathbf{m}^T\mathbf{H}\mathbf{u}$. It equals the mass before
+# for every $\mathbf{u}$ exactly if $\mathbf{m}^T\mathbf{H} = \mathbf{m}^T$, a condition on
+# columns. (13.7) guarantees only $\mathbf{H}\mathbf{1} = \mathbf{1}$, a condition on rows: the
+# polynomial reproduces constants.
 
 # %% [markdown] rubric="13.10"
-# One point for monotone and continuous with the two extremes. One for $\mathbf{m}^T\mathbf{H} =
-# \mathbf{m}^T$ against $\mathbf{H}\mathbf{1} = \mathbf{1}$, and which holds. One for the top that
-# is cut, in each step again.
+# One point for monotone and continuous with the two extremes. One for uniqueness of the field. One
+# for $\mathbf{m}^T\mathbf{H} = \mathbf{m}^T$ against $\mathbf{H}\mathbf{1} = \mathbf{1}$.
 
 # %% [markdown]
-# ## Out and back
+# ## A deformation flow that reverses
 #
-# The flow number 2 draws a hill out to a thread until the time one half, and then winds it back.
-# Your `advect` does it on 400 sites of the square; feet and matrix are made anew in each step.
+# Flow 2 stretches a hill to a thread until the time 1/2, and then reverses (a test of LeVeque,
+# *SIAM Journal on Numerical Analysis* 33, 1996, pages 627–665). Your `advect` computes it on 400
+# sites of the square. The departure points and the matrix are computed again in each step.
 
 
 # %%
@@ -651,34 +729,37 @@ def out_and_back(steps):
     sites = (cells + random.uniform(0.2, 0.8, cells.shape)) / 10 - 1
     steps += steps % 2
     u = hill(sites[:, ::-1], 12)
-    fields = advect(sites, u, 1 / steps, steps, 2, 21)
+    fields = np.asarray(advect(sites, u, 1 / steps, steps, 2, 21))
     with figure(6.4, 2.6) as page:
         panels = page.subplots(1, 3)
         for axes, n, title in zip(
-            panels, (0, steps // 2, steps), ("at the beginning", "half-way", "back")
+            panels, (0, steps // 2, steps), ("initial field", "time 1/2", "time 1")
         ):
             show_field(axes, sites, fields[n], title)
         off = np.sqrt(np.mean((fields[-1] - u) ** 2))
-        page.suptitle(f"{steps} steps, error {off:.3f}")
+        page.suptitle(f"{steps} steps, root-mean-square error {off:.3f}")
     return page
 
 
 # %% [markdown]
-# ## A flow that carries itself
+# ## Burgers' equation
 #
-# In $u_t + u\, u_x = 0$, the equation of Burgers, the velocity is what is carried. On the line a
-# particle keeps its velocity $u$, so its path is straight, and the foot of $x$ after a step is a
-# solution of
+# In Burgers' equation $u_t + u\, u_x = 0$ the velocity itself is the transported quantity. A
+# particle on the line keeps its velocity $u$, so its path is straight. The departure point of $x$
+# is the solution $y$ of a fixed-point equation, found by iteration:
 #
-# $$ y = x - \Delta t\; s_{\mathbf{u}}(y), \qquad\text{found by}\qquad y^0 = x, \quad y^{m+1} = x -
-#    \Delta t\; s_{\mathbf{u}}(y^m), \tag{13.10} $$
+# $$ y = x - \Delta t\; s_{\mathbf{u}}(y), \qquad y^0 = x, \quad y^{m+1} = x - \Delta t\;
+#    s_{\mathbf{u}}(y^m), \tag{13.10} $$
 #
 # where $s_{\mathbf{u}}$ is the field through the values at the sites, by your `step_matrix`.
 #
-# ### 13.11 Feet of a flow that carries itself
+# **Example.** Let $s(y) = y$, $x = 1$ and $\Delta t = 1/2$. The iteration gives $y^1 = 1/2$, $y^2
+# = 3/4$, $y^3 = 5/8$, and converges to the solution $y = 2/3$ of $y = 1 - y/2$.
+#
+# ### 13.11 Departure points for Burgers' equation
 
 
-# %% question="13.11"
+# %% question="13.11" minutes=15 optional
 def burgers_feet(sites, u, dt, rounds, k):
     """Return y^rounds of (13.10), of shape (N, 1), for sites (N, 1) and values u (N,)."""
     # BEGIN SOLUTION
@@ -693,69 +774,74 @@ def burgers_feet(sites, u, dt, rounds, k):
 check("13.11")
 
 # %% [markdown]
-# One single step, of any length, from a smooth wave. The grey curve is exact: every point of the
-# wave at the beginning, moved by $\Delta t$ times its own height. At $\Delta t = 1$ in units of the
-# slider the wave breaks.
+# The picture shows a single step, of any length, from a smooth wave. The grey curve is exact: each
+# point of the initial wave is moved by $\Delta t$ times its own height. At $\Delta t = 1$, in the
+# units of the slider, the wave breaks.
 
 
 # %%
-@draw(dt=Slider(0, 1.6, 0.8, "step, in units of the time of breaking", steps=32))
+@draw(dt=Slider(0, 1.6, 0.8, "step / breaking time", steps=32))
 def one_step_of_a_wave(dt):
     x = np.linspace(-1, 1, 61)[:, None]
     u = 0.2 + np.exp(-6 * x[:, 0] ** 2)
     breaking = 1 / (np.sqrt(12) * np.exp(-0.5))
-    feet = burgers_feet(x, u, dt * breaking, 60, 8)
-    moved = step_matrix(x, feet, 8) @ u
+    feet = np.asarray(burgers_feet(x, u, dt * breaking, 60, 8))
+    new = step_matrix(x, feet, 8) @ u
     fine = np.linspace(-1.2, 1, 400)
     wave = 0.2 + np.exp(-6 * fine**2)
     with figure(6.4, 2.9) as page:
         axes = page.subplots()
-        axes.plot(x, u, ":", color=GREY, label="at the beginning")
+        axes.plot(x, u, ":", color=GREY, label="initial wave")
         axes.plot(fine + dt * breaking * wave, wave, color=GREY, lw=4, alpha=0.5, label="exact")
-        axes.plot(x, np.clip(moved, -1, 3), ".-", color=BLUE, ms=4, lw=1, label="one step of yours")
+        axes.plot(x, np.clip(new, -1, 3), ".-", color=BLUE, ms=4, lw=1, label="your single step")
         axes.set(xlabel="$x$", ylabel="$u$", xlim=(-1, 1), ylim=(0, 1.5))
         axes.legend(loc="center left", bbox_to_anchor=(1, 0.5))
     return page
 
 
 # %% [markdown]
-# **13.12** (a) When does (13.10) converge, and how fast? (b) The wave breaks at the time $t^* =
-# 1/\max(-u_x)$. What happens then to the characteristics, and what has this to do with (a)? (c) So
-# up to which length is one step exact but for reconstruction?
+# **13.12** For which $\Delta t$ does the iteration (13.10)
+# surely converge, and what has this bound to do with the time $t^* = 1/\max(-u_x)$ at which the
+# wave breaks?
 #
 # <details><summary>Hint</summary>
 #
-# Subtract two rounds from each other. How large is the difference of $s(y)$ at two places at most?
+# Subtract two successive iterates. How large is the difference of $s$ at two points at most? At
+# the time $t^*$ the characteristics of neighbouring particles meet.
 #
 # </details>
 
-# %% [markdown] answer="13.12" points=2
-# (a) The difference of two rounds is $-\Delta t\,(s(y^m) - s(y^{m-1}))$, at most $\Delta t
-# \max\lvert s'\rvert$ times the one before; if that factor is less than one, the rounds converge at
-# least as fast as its powers. (b) The particle from $x_0$ is at $x_0 + t\,u(x_0)$; this map has the
-# derivative $1 + t\,u_x$, which first vanishes at $t^*$, where particles overtake each other. From
-# then on some places have several feet, and (13.10) has several solutions. Where the velocity falls
-# most, $\Delta t\,\lvert s' \rvert$ reaches one at the same moment. (After that the rounds fail
-# also where the velocity rises as steeply, although there is one foot only: this is a fault of the
-# rounds, not of the wave.) (c) Up to $\Delta t < t^*$, as far as the rounds converge: paths are
-# straight, so no error of time is made at all, however many sites are passed.
+# %% [markdown] answer="13.12" points=2 minutes=10 words=70 optional
+# The difference of two successive iterates is $-\Delta t\,(s(y^m) - s(y^{m-1}))$, at most $\Delta
+# t \max\lvert s'\rvert$ times the one before; if this factor is less than 1, the iteration
+# converges at least as fast as its powers (it is a contraction). The particle from $x_0$ is at
+# $x_0 + t\,u(x_0)$; this map has the derivative $1 + t\,u_x$, which first vanishes at $t^*$, where
+# particles overtake each other. From then on some points have several departure points, and
+# (13.10) has several solutions. Where the velocity falls most steeply, $\Delta t\,\lvert s'
+# \rvert$ reaches 1 at the same moment. Before, paths are straight, so there is no error in time at
+# all. (The iteration can also fail where the velocity rises as steeply, although there is only one
+# solution.)
 
 # %% [markdown] rubric="13.12"
-# One point for the factor $\Delta t\,\lvert u_x\rvert < 1$. One for feet that are no longer unique
-# after $t^*$, or for straight paths, so that the step is exact before.
+# One point for the factor $\Delta t\,\lvert u_x\rvert < 1$. One for departure points that are no
+# longer unique after $t^*$.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - What decides whether many turns go well are the powers of $\mathbf{H}$. Compute its eigenvalues
-#   for the flow 0 on sites in the disc, with 21 sites that count and with all of them. Which has a
-#   modulus above one? How many turns does it take until one sees it?
-# - Sites in a square and the flow 0: the corners come from outside. What does (13.7) do there, and
-#   what do the eigenvalues say? What would the equation need to be told at such a boundary?
-# - Let the sites go along: put each site of the next step where the flow takes a site of this one.
-#   What is left of the error after one turn? When do you need new sites?
-# - A velocity that is itself known only at sites has to be reconstructed inside every stage of
-#   (13.5). Which order do the feet keep then?
+# - Stability over many rotations depends on the powers of $\mathbf{H}$. Compute its eigenvalues
+#   for flow 0 on sites in the disc, with $k = 21$ and with all sites. Which modulus is above 1?
+#   After how many rotations is the growth visible?
+# - Use sites in a square and flow 0: at the corners the departure points lie outside. What does
+#   (13.7) compute there, and which boundary values does the equation need at such an inflow?
+# - Why is an affine field transported by flow 0 without any error of reconstruction?
+# - Move the sites with the flow (a *Lagrangian* method): each site of the next step is the
+#   position to which the flow moves a site. What remains of the error after one rotation? When are
+#   new sites needed?
+# - Wendland (*Scattered Data Approximation*, 2005, page 7) calls each curve along which $u$ is
+#   constant a characteristic. Find a counterexample with $\mathbf{a} = (1, 0)$.
+# - If the velocity is known at sites only, it must be reconstructed in each stage of (13.5). Which
+#   order do the departure points have then?
 
 # %%
 progress()

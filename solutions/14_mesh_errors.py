@@ -1,5 +1,10 @@
 # ---
 # jupyter:
+#   course:
+#     builds_on:
+#       "11": the surfaces whose files are examined here
+#     pages: appendix, section 1
+#     chapters: [30-mesh-errors]
 #   jupytext:
 #     text_representation:
 #       extension: .py
@@ -11,14 +16,19 @@
 # ---
 
 # %% [markdown]
-# # The errors of a mesh
+# # Errors in triangle meshes
 #
-# A surface in a file is a list of points and a list of triangles. Nothing in the file says that the
-# triangles make a surface. A picture will look right with triangles missing, doubled or turned
-# over; a printer, or the computation of a volume, will fail. By the end of this notebook you find
-# such errors, and you can say of each what it violates.
+# A surface in a file is a list of points and a list of triangles. Nothing in the file guarantees
+# that the triangles form a surface. Missing, doubled or inverted triangles are hardly visible in a
+# picture. But a 3D printer, or the computation of a volume, will fail. In this notebook you write
+# functions that find such errors, and you learn which property of a surface each error violates.
 #
-# Eight functions, most of them of three or four lines.
+# **Sources.** Botsch and others, *Polygon Mesh Processing* (2010), chapters 1 and 8; Attene,
+# Campen and Kobbelt, *Polygon mesh repairing: an application perspective*, ACM Computing Surveys
+# 45 (2013). Search for: manifold, half-edge, polygon soup, vertex welding, Euler characteristic,
+# boundary loop, bow-tie vertex, orientable surface, degenerate triangle, self-intersection,
+# T-junction. Notebook 11 constructs surfaces; here their files are examined. Numbers in brackets,
+# such as (14.1), belong to formulas; numbers without brackets belong to questions.
 
 # %% tags=["setup"]
 import numpy as np
@@ -30,6 +40,7 @@ from fieldcheck import (
     ORANGE,
     PURPLE,
     Slider,
+    case,
     check,
     data,
     draw,
@@ -37,20 +48,21 @@ from fieldcheck import (
     progress,
     start_over,
 )
+from fieldcheck.datasets import kleopatra
 
 
 def sides(triangles):
     """Return the two ends of each side, of shape (3M, 2), for triangles (M, 3).
 
-    Row 3t + k is side k of triangle t; it runs from the k-th vertex of the triangle to the next.
+    Row 3t + k is side k of triangle t; it runs from vertex k of the triangle to the next one.
     """
     return np.take(triangles, [0, 1, 1, 2, 2, 0], axis=1).reshape(3 * len(triangles), 2)
 
 
 def connected(n, links):
-    """Return for each of n things the least one of its part, of shape (n,).
+    """Return the smallest index in the connected component of each of n objects, of shape (n,).
 
-    Links, two numbers each, tell which things hang together; a part is what links connect.
+    Each row of links (K, 2) connects two objects. An object without links is a component itself.
     """
     one, other = np.reshape(links, (-1, 2)).astype(int).T
     least = np.arange(n)
@@ -80,8 +92,8 @@ from fieldcheck.questions.q14_mesh_errors import (
 )
 
 
-def seen(points, turn=25, tilt=25):
-    """Return points as they appear on paper, and as a third coordinate how near they are."""
+def projected(points, turn=25, tilt=25):
+    """Return the position of points in the picture, and their depth as a third coordinate."""
     s, t = np.radians(turn), np.radians(tilt)
     x = np.cos(s) * points[:, 0] - np.sin(s) * points[:, 1]
     y = np.sin(s) * points[:, 0] + np.cos(s) * points[:, 1]
@@ -96,7 +108,7 @@ def draw_surface(axes, points, triangles, lines=(), special=(), color=PURPLE):
 
     Triangles are pale from outside and dark from inside; special ones are coloured.
     """
-    place, special = seen(points), set(special)
+    place, special = projected(points), set(special)
     depth = place[triangles, 2].mean(axis=1)
     things = [(d, "triangle", i, color) for i, d in enumerate(depth)]
     for pairs, shade in lines:
@@ -120,20 +132,20 @@ def draw_surface(axes, points, triangles, lines=(), special=(), color=PURPLE):
 def draw_rings(axes, points, vertices):
     """Draw rings round vertices."""
     axes.plot(
-        *seen(points)[vertices, :2].T, "o", ms=10, mfc="none", mec=ORANGE, mew=2.5, zorder=9999
+        *projected(points)[vertices, :2].T, "o", ms=10, mfc="none", mec=ORANGE, mew=2.5, zorder=9999
     )
 
 
 def many(n, thing):
-    """Return how many there are, in words."""
+    """Return a number with a noun in the singular or plural."""
     return f"{n} {thing}" + "s" * (n != 1)
 
 
 # %% [markdown]
-# ## The problem in a picture
+# ## Shared vertices and polygon soups
 #
-# Three files with a sphere in them. Pull: every part that hangs together in the *list* of triangles
-# moves away from the middle.
+# Three files with the same sphere. The slider moves the connected components of each *list* of
+# triangles away from the centre.
 
 
 # %%
@@ -143,7 +155,7 @@ def three_files(pull):
     soup = points[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3)
     upper = points[triangles, 2].mean(axis=1) > 0.02
     seam = points.repeat(2, axis=0), 2 * triangles + upper[:, None]
-    files = {"each point once": (points, triangles), "two lists of points": seam, "a soup": soup}
+    files = {"shared vertices": (points, triangles), "a seam": seam, "polygon soup": soup}
     with figure(6.6, 2.6) as page:
         for axes, (name, (p, t)) in zip(page.subplots(1, 3), files.items(), strict=True):
             part = connected(len(p), sides(t))[t[:, 0]]
@@ -155,40 +167,79 @@ def three_files(pull):
             axes.set(
                 xlim=(-1.75, 1.75),
                 ylim=(-1.75, 1.75),
-                title=f"{name}:\n{many(len(np.unique(part)), 'part')}",
+                title=f"{name}:\n{many(len(np.unique(part)), 'component')}",
             )
     return page
 
 
 # %% [markdown]
-# **What to look at.** Put the slider to zero: no eye can tell the three apart. The one on the right
-# is what the most common format for printing, STL, holds: every triangle brings three points of its
-# own along. In the middle, a seam that was never sewn: along it every point is in the list twice.
+# **What to look at.** Put the slider to zero: the three files look the same. The right one is a
+# *polygon soup*, as in STL, the usual format for 3D printing: every triangle has three points of
+# its own. The middle one has a *seam*, along which every point is listed twice.
 #
-# ## One place, one vertex
+# ## Example: two triangles
 #
-# Let $\mathbf{p}_1, \dots, \mathbf{p}_N$ be the points, in space or in the plane. To *weld* is to
-# let one vertex stand for all that are in the same place. The same means: no farther apart than a
-# tolerance $\tau \ge 0$, since files round. Take the first one:
+# A square has the vertices 0, 1, 2, 3, counter-clockwise, and the triangles $(0, 1, 2)$ and $(0,
+# 2, 3)$. Each triangle has three *sides* (in a data structure: half-edges), which run from vertex
+# to vertex:
+#
+# | triangle | sides |
+# |---|---|
+# | $(0, 1, 2)$ | $0 \to 1$, $1 \to 2$, $2 \to 0$ |
+# | $(0, 2, 3)$ | $0 \to 2$, $2 \to 3$, $3 \to 0$ |
+#
+# The sides $2 \to 0$ and $0 \to 2$ are the same *edge*, which has two triangles. The other four
+# edges have one triangle each; they are the boundary. There are 4 vertices, 5 edges and 2
+# triangles. The triangles agree: they run along their common edge in opposite directions.
+# `sides(triangles)`, above, is written for you; its rows are these six sides.
+#
+# The next function is finished, and shows the form of a function on such a list.
+
+# %%
+SQUARE = np.array([[0, 1, 2], [0, 2, 3]])
+print(sides(SQUARE).tolist())
+
+
+def triangles_at_vertices(n, triangles):
+    """Return how many triangles each of n vertices has, of shape (n,), for triangles (M, 3)."""
+    count = np.zeros(n, dtype=int)
+    for three in triangles:
+        count[three] += 1
+    return count
+
+
+print(triangles_at_vertices(5, SQUARE))
+
+# %% [markdown]
+# ## Merging vertices (welding)
+#
+# Let $\mathbf{p}_1, \dots, \mathbf{p}_N$ be the points, in space or in the plane. To *merge* (or
+# *weld*) vertices, replace each vertex by the first one within a tolerance $\tau \ge 0$:
 #
 # $$ w_i = \min\{\, j : \lVert \mathbf{p}_j - \mathbf{p}_i \rVert \le \tau \,\} . \tag{14.1} $$
 #
-# ### 14.1 Weld
+# A tolerance is needed since files round coordinates. We assume that copies of a point are much
+# closer together than $\tau$ and that different points are much farther apart. Otherwise the
+# result depends on the order of the points: for the points $0,\ 0.9,\ 1.8,\ 2.7$ on a line and
+# $\tau = 1$, (14.1) gives $w = (0, 0, 1, 2)$, so the vertex that replaces point 2 is itself
+# replaced by another one.
 #
-# Return $w_i$ for each vertex. Python counts from 0: a vertex that has no earlier one in its place
-# stands for itself.
+# ### 14.1 Merge
+#
+# Return $w_i$ for each vertex, counted from 0 as in Python. A vertex without an earlier one within
+# $\tau$ keeps its own number.
 #
 # <details><summary>Hint</summary>
 #
-# `points[:, None] - points` holds all differences. Of an array of True and False, `np.argmax` finds
-# the first True: along which axis?
+# `points[:, None] - points` is the array of all differences. For an array of True and False,
+# `np.argmax` finds the first True: along which axis?
 #
 # </details>
 
 
-# %% question="14.1"
+# %% question="14.1" minutes=15
 def weld(points, tolerance):
-    """Return w of (14.1), whole numbers of shape (N,), for points (N, D) and a tolerance ≥ 0."""
+    """Return w of (14.1), integers of shape (N,), for points (N, D) and a tolerance ≥ 0."""
     # BEGIN SOLUTION
     distance = np.linalg.norm(points[:, np.newaxis] - points, axis=2)
     return np.array([np.argmax(gaps <= tolerance) for gaps in distance])
@@ -199,32 +250,31 @@ def weld(points, tolerance):
 check("14.1")
 
 # %% [markdown]
-# From now on a surface is a list of triangles: each a row of three numbers of vertices.
-# `sides(triangles)` is written for you. It has the shape $(3M, 2)$: three sides of each triangle,
-# one after the other, and of each side both ends, in the direction in which the triangle runs.
+# From now on a surface is a list of triangles; each row has the numbers of three vertices.
 #
-# ## How many triangles at an edge?
+# ## Boundary edges and non-manifold edges
 #
-# Sides with the same two ends are one *edge*, whichever way they run. Count for each edge the
-# triangles that have it:
+# An *edge* consists of all sides with the same two ends, in either direction. The number of its
+# triangles classifies it:
 #
-# - **one**: the edge is at the *boundary*, the rim of the surface or of a hole;
-# - **two**: so should it be inside of a surface;
-# - **three or more**: here the surface branches. It is *not a manifold*.
+# - **one**: the edge belongs to the *boundary* of the surface;
+# - **two**: the edge is inside the surface;
+# - **three or more**: the surface branches; the edge is *non-manifold*.
 #
-# ### 14.2 Count
+# ### 14.2 Triangles at each edge
 #
-# Return, for each row of `sides(triangles)`, how many triangles have its edge.
+# Return, for each row of `sides(triangles)`, how many triangles have its edge. For the square of
+# the example the result is $1, 1, 2, 2, 1, 1$.
 #
 # <details><summary>Hint</summary>
 #
-# Make the two ends comparable first: sort them. Then `np.unique` with `axis=0` finds the different
-# edges, and can return how often each occurs, and which of them every row is.
+# Sort the two ends of each side first. Then `np.unique` with `axis=0` finds the different edges.
+# It can also return how often each edge occurs, and which edge each row is.
 #
 # </details>
 
 
-# %% question="14.2"
+# %% question="14.2" minutes=10
 def triangles_at_sides(triangles):
     """Return how many triangles have the edge of each side, (3M,), for triangles (M, 3)."""
     # BEGIN SOLUTION
@@ -262,35 +312,34 @@ def edges_in_colour():
 
 
 # %% [markdown]
-# **What to look at.** Blue edges have one triangle, orange ones more than two. The fin has an
-# orange edge with a blue boundary beside it: the two ideas are independent. Seen from inside a
-# surface is dark.
+# **What to look at.** Boundary edges are blue, non-manifold edges are orange. The fin has both:
+# boundary edges and non-manifold edges are independent errors. The inside of a surface is dark.
 #
-# ## Euler's count
+# ## The Euler characteristic
 #
-# Let $V$ be the number of vertices *that triangles have*, $E$ that of the edges, $F$ that of the
-# triangles. Then
+# Let $V$ be the number of vertices *that occur in triangles*, $E$ the number of edges and $F$ the
+# number of triangles. A triangle that is listed twice counts twice. The *Euler characteristic*
 #
 # $$ \chi = V - E + F \tag{14.2} $$
 #
-# does not change when triangles are cut into smaller ones: it is a property of the surface,
-# its *Euler characteristic*. A closed surface in one piece, with two sides and $g$ handles, has
-# $\chi = 2 - 2g$; every hole that is cut into it takes one away; and of several parts the
-# characteristics add up.
+# does not change when triangles are subdivided. A closed, orientable, connected surface with $g$
+# handles has $\chi = 2 - 2g$: 2 for a sphere, 0 for a torus. Each hole that is cut into the
+# surface reduces $\chi$ by 1. The characteristics of several components add up. For the square of
+# the example $\chi = 4 - 5 + 2 = 1$: a sphere with one hole.
 #
-# ### 14.3 Vertices minus edges plus triangles
+# ### 14.3 Euler characteristic
 #
 # <details><summary>Hint</summary>
 #
-# A file may hold points that no triangle has. They are not vertices of the surface: look only into
+# A file may contain points that no triangle has. They are not vertices of the surface: use only
 # the list of triangles. Each edge counts once.
 #
 # </details>
 
 
-# %% question="14.3"
+# %% question="14.3" minutes=10
 def euler_characteristic(triangles):
-    """Return χ of (14.2), a whole number, for triangles (M, 3)."""
+    """Return χ of (14.2), an integer, for triangles (M, 3)."""
     # BEGIN SOLUTION
     edges = np.unique(np.sort(sides(triangles)), axis=0)
     return len(np.unique(triangles)) - len(edges) + len(triangles)
@@ -301,8 +350,8 @@ def euler_characteristic(triangles):
 check("14.3")
 
 # %% [markdown]
-# Now the soup of the first picture can be welded. Its points have been written with an error of
-# $10^{-5}$ or so, as a file with few digits has. Which tolerance is right?
+# With these functions the polygon soup of the first picture can be merged. Its points have errors
+# of about $10^{-5}$, as in a file with few digits. Which tolerance is suitable?
 
 
 # %%
@@ -332,7 +381,7 @@ def welding(exponent):
             [euler_characteristic(t) if len(t) else 0 for t in lists],
             "--",
             color=ORANGE,
-            label="characteristic",
+            label="characteristic χ",
         )
         right.axvline(exponent, color=GREY, lw=1)
         right.axhline(2, color=GREY, lw=0.6)
@@ -347,30 +396,28 @@ def welding(exponent):
 
 
 # %% [markdown]
-# **What to look at.** On the left, blue edges are open. Between the error of the file and the size
-# of the triangles there is a wide range where the answer is the same, and χ is 2: a sphere. Below
-# it there are cracks, above it the surface collapses.
+# **What to look at.** Blue edges are boundary edges. Between the errors of the points and the
+# length of the edges there is a wide range of tolerances with the same result, $\chi = 2$: a
+# sphere. For smaller tolerances there are cracks; for larger ones the surface collapses.
 #
-# ## Round the holes
+# ## Boundary loops
 #
-# Boundary edges that hang together make a *loop*: the rim of one hole. Let us call a loop by the
-# least of its vertices.
+# Connected boundary edges form a *boundary loop*, the boundary of one hole. We name a loop by its
+# smallest vertex. The function `connected(n, links)`, above, is written for you: it finds the
+# connected components of $n$ objects that are linked in pairs, and returns for each object the
+# smallest one in its component.
 #
-# `connected(n, links)` is written for you. It finds what hangs together among $n$ things, given
-# pairs of them, and returns for each thing the least one of its part.
+# ### 14.4 Boundary loops
 #
-# ### 14.4 Loops
-#
-# Return for each of $N$ vertices the name of the loop it is on, and $-1$ if it is on none. No two
-# loops touch. But some triangles may be turned over: do not count on all sides to run the same way
-# round.
+# Return for each of $n$ vertices the name of its loop, and $-1$ if the vertex is on no loop. For
+# the square of the example, with $n = 5$, the result is $0, 0, 0, 0, -1$. No two loops touch. Some
+# triangles may be inverted, so the boundary sides need not run the same way round. Some edges may
+# be non-manifold; they do not belong to the boundary.
 
 
-# %% question="14.4"
+# %% question="14.4" minutes=10
 def boundary_loops(n, triangles):
-    """Return the least vertex on the loop of each vertex, or -1, of shape (n,), for triangles (M,
-    3).
-    """
+    """Return the smallest vertex on the loop of each vertex, or -1, (n,), for triangles (M, 3)."""
     # BEGIN SOLUTION
     free = sides(triangles)[triangles_at_sides(triangles) == 1]
     loop = connected(n, free)
@@ -383,33 +430,34 @@ def boundary_loops(n, triangles):
 check("14.4")
 
 # %% [markdown]
-# ## One fan at each vertex
+# ## Fans and bow-tie vertices
 #
-# A surface can fail to be a manifold although every edge has two triangles. Let two tetrahedra
-# touch in one vertex, and weld there: two cones, tip to tip, a *bow-tie*. Round an inner vertex of
-# a manifold you come from any of its triangles to any other, across edges that end there. Such a
-# set of triangles is a *fan*. A vertex should have one.
+# A surface can fail to be a manifold although every edge has two triangles. For example, two
+# tetrahedra that share one vertex form two cones, tip to tip. Such a vertex is called a *bow-tie*
+# or *non-manifold vertex*. A *fan* is a maximal set of triangles at a vertex that are connected
+# across edges ending at this vertex. A vertex of a manifold has exactly one fan.
+#
+# In the example of the square, vertex 0 has two triangles that share the edge 0–2: one fan.
 #
 # ### 14.5 Fans
 #
-# Return how many fans each vertex has, 0 for a vertex without triangles.
+# Return how many fans each vertex has, and 0 for a vertex without triangles.
 #
 # <details><summary>Hint 1</summary>
 #
-# A triangle $(v, a, b)$ at the vertex $v$ has opposite to $v$ the side from $a$ to $b$. Two
-# triangles at $v$ have a common edge there if their opposite sides have a common end. So a fan
-# hangs together along its rim.
+# A triangle $(v, a, b)$ at the vertex $v$ has the side from $a$ to $b$ opposite to $v$. Two
+# triangles at $v$ share an edge that ends at $v$ if their opposite sides have a common end.
 #
 # </details>
 # <details><summary>Hint 2</summary>
 #
-# Vertex by vertex: choose the triangles that have it, and take from them the two other vertices, as
-# links for `connected`. How many parts do *these* vertices make?
+# Go vertex by vertex. Select the triangles at the vertex, and use the two other vertices of each
+# of them as a link for `connected`. How many components do *these* vertices form?
 #
 # </details>
 
 
-# %% question="14.5"
+# %% question="14.5" minutes=20
 def fans(n, triangles):
     """Return how many fans each vertex has, of shape (n,), for triangles (M, 3)."""
     # BEGIN SOLUTION
@@ -438,7 +486,7 @@ def loops_and_fans():
         "three holes": without(ball(4, 9), 10, 11, 32, 33, 46, 47),
         "a sheet with a hole": without(sheet(4, 4), 10, 11),
         "tip to tip": fused((touching, double[1]), (n - 1, 2 * n - 2)),
-        "poles made one": fused((points, triangles), (72, 73)),
+        "poles merged": fused((points, triangles), (72, 73)),
     }
     with figure(6.6, 2.3) as page:
         for axes, (name, (p, t)) in zip(page.subplots(1, 4), surfaces.items(), strict=True):
@@ -448,49 +496,50 @@ def loops_and_fans():
             rims = [s[(count == 1) & (loop[s[:, 0]] == one)] for one in names]
             draw_surface(axes, p, t, zip(rims, (BLUE, PURPLE, GREEN)))
             draw_rings(axes, p, np.flatnonzero(bows))
-            told = f"{many(len(names), 'loop')}, {many(int(bows.sum()), 'bow-tie')}"
-            axes.set_title(f"{name}:\n{told}", fontsize=9)
+            label = f"{many(len(names), 'loop')}, {many(int(bows.sum()), 'bow-tie')}"
+            axes.set_title(f"{name}:\n{label}", fontsize=9)
     return page
 
 
 # %% [markdown]
-# **What to look at.** Each loop has its colour; a ring marks a vertex with more than one fan. In
-# both pictures on the right every edge has two triangles, and neither surface is a manifold. With
-# the pages of a book, further up, it is the other way round: no bow-tie, and an edge of many
-# triangles. Both have to be looked for.
+# **What to look at.** Each loop has its own colour; a ring marks a bow-tie vertex. In both
+# pictures on the right every edge has two triangles, and neither surface is a manifold. The pages
+# of a book, above, have a non-manifold edge and no bow-tie. So both conditions must be checked.
 #
-# ## The same way round
+# ## Orientation
 #
-# A triangle runs round its border in the order of its vertices, and seen from where it runs to the
-# left, you look at its outer side. Two neighbours agree if they run along their common edge
-# in *opposite* directions. If they run along it in the same direction, one of them has to be turned
-# over. A surface is *oriented* if all neighbours agree, and *orientable* if triangles can be turned
-# so that they do.
+# A triangle is listed *counter-clockwise when seen from outside*. Two neighbours agree if they run
+# along their common edge in *opposite* directions, as in the example of the square. If they run
+# along it in the same direction, one of them must be inverted. A surface is *oriented* if all
+# neighbours agree. It is *orientable* if some of its triangles can be inverted so that all
+# neighbours agree.
 #
-# ### 14.6 Turn them over
+# ### 14.6 Orientation
 #
-# Return for each triangle $+1$ if it stays, $-1$ if it has to be turned over, so that all
-# neighbours agree. The first triangle of each part stays. Some parts can not be oriented however
-# you turn: return 0 for all triangles of such a part. No edge has more than two triangles. You get
-# the points as well. Do you need them?
+# Return $+1$ for each triangle that stays and $-1$ for each triangle that must be inverted, so
+# that all neighbours agree. A *part* is a set of triangles that are connected across edges. The
+# triangle of each part that is first in the list stays. If a part is not orientable, return 0 for
+# all its triangles. No edge has more than two triangles. The points are an argument too: are they
+# needed?
 #
 # <details><summary>Hint 1</summary>
 #
-# Go from triangle to triangle, across edges: a neighbour that disagrees gets the opposite sign. If
-# you come to a triangle that has a sign already, and the other one, the part has one side.
+# Go from triangle to triangle across edges: a neighbour that disagrees gets the opposite sign. If
+# you reach a triangle that already has the other sign, the part is not orientable.
 #
 # </details>
 # <details><summary>Hint 2, without a walk</summary>
 #
-# Take $2M$ things: triangle $t$ as it is, number $t$, and turned over, number $M + t$. Link what
-# fits together: two neighbours as they are, if they agree, and both turned over as well. What fits
-# if they do not? `connected` then finds the least of each part. What does it mean if $t$ and $M+t$
-# are in one part? And otherwise, which of the two is in the part of the first triangle?
+# Take $2M$ objects: number $t$ for triangle $t$ as it is, and number $M + t$ for triangle $t$
+# inverted. Link what fits together. If two neighbours agree, link both as they are, and both
+# inverted. What fits if they disagree? Then `connected` finds the smallest number of each
+# component. What does it mean if $t$ and $M+t$ are in one component? Otherwise, which of the two
+# is in the component of the first triangle?
 #
 # </details>
 
 
-# %% question="14.6"
+# %% question="14.6" minutes=35
 def turns(points, triangles):
     """Return +1, -1 or 0 for each triangle, of shape (M,), for points (N, 3), triangles (M, 3)."""
     # BEGIN SOLUTION
@@ -525,15 +574,16 @@ def your_sphere():
         draw_surface(left, points, triangles)
         draw_surface(right, points, mended)
         left.set(title="your sphere, as listed")
-        right.set(title=f"{many(int((turn < 0).sum()), 'triangle')} turned")
+        right.set(title=f"{many(int((turn < 0).sum()), 'triangle')} inverted")
     return page
 
 
 # %% [markdown]
-# Was the result dark on your screen, not pale? Then the first triangle, which stays, was one of the
-# wrong ones. Neighbours know nothing of inside and outside.
+# If the result is dark, the first triangle, which stays, was one of the inverted ones. Agreement
+# between neighbours does not determine which side is outside.
 #
-# Now twist a strip of paper, and close it to a ring. Some triangles are turned over, at random.
+# Now take a strip of paper, twist it by some half turns, and join its ends. Some triangles are
+# inverted at random. With one half turn this is the *Möbius strip*.
 
 
 # %%
@@ -554,34 +604,39 @@ def strips(twists):
         )
         left.set(title=f"{many(twists, 'half turn')}, as listed")
         right.set(
-            title=f"{'turned' if turn.any() else 'no turning helps'}, {many(len(names), 'rim')}"
+            title=f"{'oriented' if turn.any() else 'not orientable'}, {many(len(names), 'loop')}"
         )
     return page
 
 
 # %% [markdown]
 # **What to look at.** On the left, dark triangles are seen from inside. On the right your function
-# has turned them. Even numbers of half turns have two sides, and two rims. After an odd number both
-# are one. A flipped triangle is a mistake in the *list*, and is mended there; a single side is a
-# property of the *surface*, and cannot be mended.
+# has inverted them. With an even number of half turns the strip has two sides and two boundary
+# loops. With an odd number it has one side and one loop. An inverted triangle is an error of the
+# *list* and can be repaired there. One-sidedness is a property of the *surface* and cannot be
+# repaired.
 #
-# ## Where the points are
+# ## Degenerate triangles
 #
-# So far the places of the points have not mattered, but for welding. Two errors are geometry.
+# So far the positions of the points were used for merging only. The last two errors are geometric.
 #
-# A triangle without area has no normal. Files have not only those with two corners in one place
-# (*needles*), but also those with a corner on the opposite side (*caps*), whose sides are all long.
-# What makes a triangle *flat* is its least height:
+# A triangle without area has no normal. Two kinds occur: *needles*, with two corners at the same
+# point, and *caps*, with one corner on the opposite side, whose three sides are all long. We call
+# a triangle *flat* if its smallest height is at most a tolerance:
 #
 # $$ h = \frac{2A}{\text{its longest side}} \le \tau . \tag{14.3} $$
 #
+# **Example.** The triangle $(0,0,0)$, $(4,0,0)$, $(1,0.3,0)$ has the area $A = 0.6$ and the
+# longest side 4. Its smallest height is $1.2 / 4 = 0.3$, the distance of the third corner from the
+# longest side.
+#
 # ### 14.7 Flat triangles
 #
-# Return whether each triangle is flat. Some have corners that are equal, by name or by place; they
-# are flat too, and nothing may be divided by zero.
+# Return whether each triangle is flat. Some triangles name a vertex twice, or have corners at the
+# same point. They are flat for every $\tau \ge 0$. Avoid the division of zero by zero.
 
 
-# %% question="14.7"
+# %% question="14.7" minutes=15
 def flat(points, triangles, tolerance):
     """Return whether (14.3) holds for each triangle, of shape (M,), for points (N, 3)."""
     # BEGIN SOLUTION
@@ -596,38 +651,52 @@ def flat(points, triangles, tolerance):
 check("14.7")
 
 # %% [markdown]
-# A surface is *embedded* if its triangles share nothing but the corners and edges that they have in
-# common by name. If two triangles cross, an edge of one passes through the other, as a rule.
-# Whether the line from $\mathbf{p}$ to $\mathbf{q}$ passes through the triangle $\mathbf{a},
-# \mathbf{b}, \mathbf{c}$ is decided by signs of volumes alone. Let
+# ## Self-intersections
 #
-# $$ [\mathbf{a}, \mathbf{b}, \mathbf{c}, \mathbf{x}] = \operatorname{sign} \big( (\mathbf{b} -
-#    \mathbf{a}) \times (\mathbf{c} - \mathbf{a}) \big)^T (\mathbf{x} - \mathbf{a}), \tag{14.4} $$
+# A surface is *embedded* if its triangles share only the corners and edges that they have in
+# common in the list. If two triangles intersect, an edge of one of them usually passes through the
+# other. Whether the *segment* from $\mathbf{p}$ to $\mathbf{q}$ passes through the triangle
+# $\mathbf{a}, \mathbf{b}, \mathbf{c}$ depends only on signs of volumes. Let
 #
-# which says on which side of the plane of three points the fourth one lies; without the sign it is
-# six times the volume of their tetrahedron. The line passes through the inside of the triangle if
+# $$ [\mathbf{a}, \mathbf{b}, \mathbf{c}, \mathbf{x}] = \operatorname{sign} \Big( \big(
+#    (\mathbf{b} - \mathbf{a}) \times (\mathbf{c} - \mathbf{a}) \big)^T
+#    (\mathbf{x} - \mathbf{a}) \Big), \tag{14.4} $$
+#
+# the sign of a number: it says on which side of the plane of three points the fourth point lies.
+# Without the sign, the number is six times the volume of the tetrahedron. The segment passes
+# through the interior of the triangle if
 #
 # $$ [\mathbf{a}, \mathbf{b}, \mathbf{c}, \mathbf{p}] = -[\mathbf{a}, \mathbf{b}, \mathbf{c},
 #    \mathbf{q}] \neq 0, \qquad
 #    [\mathbf{p}, \mathbf{q}, \mathbf{a}, \mathbf{b}] = [\mathbf{p}, \mathbf{q}, \mathbf{b},
 #    \mathbf{c}] = [\mathbf{p}, \mathbf{q}, \mathbf{c}, \mathbf{a}] . \tag{14.5} $$
 #
-# The first part: both ends are on different sides of the plane. The second: seen along the line, it
-# lies to the same side of all three sides.
+# The first condition: the ends of the segment are on different sides of the plane. The second
+# condition: the straight line through $\mathbf{p}$ and $\mathbf{q}$ has all three edges on the
+# same side (compare Guigue and Devillers, *Journal of Graphics Tools* 8, 2003).
 #
-# ### 14.8 Pierced
+# **Example.** Let $\mathbf{a} = (0,0,0)$, $\mathbf{b} = (4,0,0)$, $\mathbf{c} = (0,4,0)$,
+# $\mathbf{p} = (1,1,2)$ and $\mathbf{q} = (1,1,-2)$. The cross product of $\mathbf{b} -
+# \mathbf{a}$ and $\mathbf{c} - \mathbf{a}$ is $(0, 0, 16)$, so the numbers for $\mathbf{p}$ and
+# $\mathbf{q}$ are $32$ and $-32$: their signs differ. The three numbers of the second condition
+# are $16$, $32$ and $16$, all positive. The segment passes through the triangle. A segment from
+# $\mathbf{p}$ to $(1,1,1)$ does not: both numbers of the first condition are positive.
 #
-# Return whether each of $K$ lines passes through its triangle. No line touches a side or a corner.
+# ### 14.8 Segments through triangles
+#
+# Return whether (14.5) holds for each of $K$ segments and its triangle. No segment touches an edge
+# or a corner. But some segments end in the plane of the triangle or lie in it: they do not pass
+# through.
 #
 # <details><summary>Hint</summary>
 #
-# A function inside of your function, for (14.4), saves you from writing it five times. `np.cross`
-# takes arrays $(K, 3)$, row by row.
+# Define a function for (14.4) inside your function, so that you need not write the formula five
+# times. `np.cross` accepts arrays of shape $(K, 3)$, row by row.
 #
 # </details>
 
 
-# %% question="14.8"
+# %% question="14.8" minutes=15
 def pierced(start, end, corners):
     """Return whether (14.5) holds, of shape (K,), for start and end (K, 3), corners (K, 3, 3)."""
 
@@ -637,7 +706,7 @@ def pierced(start, end, corners):
 
     a, b, c = corners.swapaxes(0, 1)
     one, two, three = side(start, end, a, b), side(start, end, b, c), side(start, end, c, a)
-    across = side(a, b, c, start) != side(a, b, c, end)
+    across = side(a, b, c, start) * side(a, b, c, end) < 0
     return across & (one == two) & (two == three)
     # END SOLUTION
 
@@ -646,10 +715,10 @@ def pierced(start, end, corners):
 check("14.8")
 
 # %% [markdown]
-# ## The whole audit
+# ## A complete audit
 #
-# All of your functions, on one sphere with one error. Choose the error, and turn the sphere; think
-# first what the audit will say.
+# All your functions examine a sphere with one error. Choose the error, predict the result, and
+# rotate the sphere.
 
 
 # %%
@@ -673,16 +742,16 @@ def with_error(k):
         ("nothing", points, triangles),
         ("a hole", points, np.delete(triangles, [32, 33, 35], axis=0)),
         (
-            "a triangle turned over",
+            "an inverted triangle",
             points,
             np.where(np.arange(m)[:, None] == 32, triangles[:, ::-1], triangles),
         ),
         ("a fin", np.vstack([points, [tip]]), np.vstack([triangles, [[6, 7, n]]])),
         ("two spheres, tip to tip", *fused((touching, two[1]), (n - 2, 2 * n - 1))),
         ("two spheres that cross", beside, two[1]),
-        ("a seam not sewn", np.vstack([points, points[20:30]]), seam),
+        ("a seam", np.vstack([points, points[20:30]]), seam),
         ("a triangle listed twice", points, np.vstack([triangles, triangles[[32]]])),
-        ("a vertex in an edge", np.vstack([points, [middle]]), cut),
+        ("a T-junction", np.vstack([points, [middle]]), cut),
         ("a triangle without area", np.vstack([points, [middle]]), np.vstack([cut, [[c, n, b]]])),
     ][k]
 
@@ -713,13 +782,13 @@ def audit(error, turn):
     shown = points @ [[np.cos(t), np.sin(t), 0], [-np.sin(t), np.cos(t), 0], [0, 0, 1]]
     lines = {
         "characteristic": int(euler_characteristic(triangles)),
-        "vertices in the place of others": int((place[used] != used).sum()),
-        "loops": len(np.unique(loop[loop >= 0])),
-        "edges of more than two triangles": len({tuple(sorted(e)) for e in s[count > 2].tolist()}),
-        "vertices of more than one fan": int((fan > 1).sum()),
-        "triangles to turn": int((over < 0).sum()) if not (count > 2).any() else "–",
-        "triangles without area": int(thin.sum()),
-        "triangles that are pierced": len(crossed),
+        "duplicate vertices": int((place[used] != used).sum()),
+        "boundary loops": len(np.unique(loop[loop >= 0])),
+        "non-manifold edges": len({tuple(sorted(e)) for e in s[count > 2].tolist()}),
+        "bow-tie vertices": int((fan > 1).sum()),
+        "inverted triangles": int((over < 0).sum()) if not (count > 2).any() else "–",
+        "flat triangles": int(thin.sum()),
+        "pierced triangles": len(crossed),
     }
     with figure(6.6, 2.9) as page:
         left, right = page.subplots(1, 2, width_ratios=(1, 1.2))
@@ -739,94 +808,137 @@ def audit(error, turn):
 
 
 # %% [markdown]
-# **What to look at.** One error has several signs: to list a triangle twice makes three edges of
-# three triangles, and a seam makes two loops in one place. A vertex in an edge (it is called
-# a *T-junction*) leaves a slit without width: a loop of three edges, where the eye sees none. Close
-# it with a triangle, and that has no area.
+# **What to look at.** One error can have several signs. A triangle that is listed twice makes
+# three edges with three triangles. A seam makes two boundary loops at the same points. A vertex in
+# the interior of an edge (a *T-junction*) leaves a slit without width, a loop of three edges that
+# is invisible in a picture. A triangle that closes the slit is degenerate.
 #
-# ## In words
+# ## A measured surface: the asteroid Kleopatra
 #
-# **14.9** A list of errors of meshes that are not manifolds names duplicate vertices,
-# edges and triangles; a surface with a boundary; flipped triangles; self-intersections. Which of
-# these make a surface no manifold? What do the others concern: the *boundary*, the *orientation*,
-# the *embedding*, or only how the surface is *written down*? Which two errors of manifoldness are
-# missing? And in a list of triangles: what could a duplicate edge be?
+# Notebook 11 reconstructs asteroid 216 Kleopatra from points. `kleopatra()` also returns triangles
+# of its surface, measured by radar (S. J. Ostro and others, NASA Planetary Data System, 2004, in
+# the public domain; `fieldcheck/datasets/kleopatra.json` names the source). Meshes are often
+# thinned by merging vertices with a large tolerance, in kilometres here. Triangles that lose a
+# corner are removed. Does the result remain a manifold?
+
+
+# %%
+@draw(tolerance=Slider(0, 20, 9, "tolerance τ in km", steps=40))
+def thinned(tolerance):
+    points, triangles = kleopatra()
+    name = np.asarray(weld(points, tolerance)).astype(int)
+    for _ in range(20):
+        name = name[name]  # (14.1) may name a vertex that is itself replaced
+    t = name[triangles]
+    t = t[(t != np.roll(t, 1, axis=1)).all(axis=1)]
+    s, count = sides(t), np.asarray(triangles_at_sides(t))
+    fan = np.asarray(fans(len(points), t))
+    crowded = len({tuple(sorted(e)) for e in s[count > 2].tolist()})
+    lines = {
+        "vertices": len(np.unique(t)),
+        "triangles": len(t),
+        "characteristic": int(euler_characteristic(t)),
+        "boundary edges": int((count == 1).sum()),
+        "non-manifold edges": crowded,
+        "bow-tie vertices": int((fan > 1).sum()),
+        "vertex triples listed twice": len(t) - len(np.unique(np.sort(t, axis=1), axis=0)),
+    }
+    with figure(6.8, 2.9) as page:
+        left, right = page.subplots(1, 2, width_ratios=(2.2, 1))
+        draw_surface(left, points, t, [(s[count == 1], BLUE), (s[count > 2], ORANGE)])
+        draw_rings(left, points, np.flatnonzero(fan > 1))
+        left.set(title=f"216 Kleopatra, vertices merged within {tolerance:.1f} km")
+        right.set_axis_off()
+        for k, (what, number) in enumerate(lines.items()):
+            y = 0.85 - 0.13 * k
+            right.text(0.1, y, str(number), ha="right", transform=right.transAxes)
+            right.text(0.15, y, what, transform=right.transAxes)
+    return page
+
+
+# %% [markdown]
+# **What to look at.** Without merging the surface is closed, with $\chi = 2$. Up to about 5 km the
+# thinned surface remains a sphere. From 6 km on there are non-manifold edges, although the file is
+# correct. Some triangles have collapsed onto each other: their three vertices are listed twice, in
+# opposite order. Would $\chi$ be 2 again if these pairs were removed?
+#
+# ## Questions in words
+#
+# **14.9** A lecture note has a list of "non-manifold errors": duplicate vertices, edges and
+# triangles; a surface with a boundary; flipped triangles; self-intersections. Say for each of them
+# what it concerns: the *boundary*, the *orientation*, the *embedding*, the *representation* in the
+# file, or indeed a condition of manifolds. Which two violations of manifolds are missing in the
+# list?
 #
 # <details><summary>Hint</summary>
 #
-# Try each of them with the picture above. Ask of each: would it still be there if all points moved
-# somewhere else? If the order of the vertices in a triangle did not matter?
+# Try each error with the audit above. Would it remain if all points were moved? Would it remain if
+# the order of the vertices in a triangle did not matter?
 #
 # </details>
 
-# %% [markdown] answer="14.9" points=4
-# None of them as such. A manifold needs at most two triangles at each edge and a single fan at each
-# vertex. A manifold may have a boundary (a sheet of paper), that concerns whether it is closed.
-# Flipped triangles concern the orientation: the order within a triangle, while the surface as a set
-# of triangles stays the same manifold. Self-intersections concern the embedding: where the points
-# lie; moved elsewhere, the same list has none. Duplicate vertices and triangles are matters of how
-# the surface is written. They have consequences in the counts: vertices that are there twice make a
-# boundary where there is none to the eye, and a triangle that is listed twice in a closed mesh
-# makes three edges of three triangles, so this one does violate the conditions of a manifold,
-# though by repetition only.
+# %% [markdown] answer="14.9" points=4 minutes=15 words=100 optional
+# None of them is one as such. A manifold needs at most two triangles at each edge and a single fan
+# at each vertex. A manifold may have a boundary (a sheet of paper); that concerns whether it is
+# closed. Flipped triangles concern the orientation: the order within a triangle, while the surface
+# as a set of triangles stays the same manifold. Self-intersections concern the embedding: where
+# the points lie; moved elsewhere, the same list has none. Duplicate vertices and triangles concern
+# the representation. They have consequences in the counts: duplicate vertices make a boundary
+# along a seam, and a triangle that is listed twice in a closed mesh makes three edges of three
+# triangles, so it does violate the conditions of a manifold, though by repetition only. A list of
+# triangles has no list of edges, so no edge can be there twice.
 #
 # Missing are edges of three triangles or more that are no repetition, and bow-ties: vertices with
 # several fans. (T-junctions and triangles without area are missing too.)
-#
-# A list of triangles has no list of edges, so no edge can be there twice. What may be meant: an
-# edge of more than two triangles, or two edges of the boundary in one place, between vertices that
-# are duplicates: a seam.
 
 # %% [markdown] rubric="14.9"
 # One point for boundary, orientation and embedding, each with the right error. One for duplicates
-# as a matter of representation, with one of their consequences. One for both missing errors,
-# crowded edges and bow-ties. One for the duplicate edge: either reading, with the remark that the
-# list has no edges.
+# as a matter of representation, with one of their consequences. One each for the missing errors:
+# crowded edges, and bow-ties.
 
 # %% [markdown]
-# **14.10** "The characteristic of the file is 2, so it is a sphere." Give two different reasons why
-# this does not follow, each with an example. What is the characteristic of a soup of $M$ triangles?
-# Which checks must a list of triangles pass before (14.2) tells the number of handles?
+# **14.10** "The Euler characteristic of the file is 2, so it is a sphere." Give two different
+# reasons why this does not follow, each with an example. Which checks must a list of triangles
+# pass before (14.2) determines the number of handles?
 #
 # <details><summary>Hint</summary>
 #
-# The characteristics of parts add up. What do holes and handles take away? And which surfaces are
-# not covered by the formula with $g$ at all?
+# The characteristics of components add up. How do holes and handles change $\chi$? Which surfaces
+# does the formula with $g$ not cover?
 #
 # </details>
 
-# %% [markdown] answer="14.10" points=3
-# Parts add up: a sphere and any number of tori have 2 as well, and so have two sheets of paper,
-# with 1 each. Nor need it be a manifold: a fin on a sphere adds one vertex, two edges and one
-# triangle, which leaves 2; and two spheres and a torus, all welded in one vertex, have $2 + 2 + 0 -
-# 2 = 2$.
+# %% [markdown] answer="14.10" points=3 minutes=10 words=70
+# Components add up: a sphere and any number of tori have 2 as well, and so have two sheets of
+# paper, with 1 each. Nor need it be a manifold: a fin on a sphere adds one vertex, two edges and
+# one triangle, which leaves 2; and two spheres and a torus, all merged in one vertex, have $2 +
+# 2 + 0 - 2 = 2$.
 #
-# In a soup no vertex and no edge is shared: $3M - 3M + M = M$.
-#
-# The list must be welded, without repeated triangles; each part must be taken by itself; it must be
-# a manifold, with at most two triangles at each edge and one fan at each vertex; its loops must be
-# counted, $b$ of them; and it must be orientable. Then $g = (2 - b - \chi)/2$. For the strip of
-# Möbius with $\chi = 0$ and $b = 1$ this would be half a handle.
+# The vertices must be merged, without repeated triangles; each component must be taken by itself;
+# it must be a manifold, with at most two triangles at each edge and one fan at each vertex; its
+# loops must be counted, $b$ of them; and it must be orientable. Then $g = (2 - b - \chi)/2$. For
+# the Möbius strip with $\chi = 0$ and $b = 1$ this would be half a handle.
 
 # %% [markdown] rubric="14.10"
-# One point for two reasons with examples (several parts; boundary; no manifold). One for the soup,
-# $M$. One for the checks: connected, manifold, loops counted, orientable; one of them may be
-# missing.
+# One point for each of two reasons with an example (several components; boundary; no manifold).
+# One for the checks: connected, manifold, loops counted, orientable; one of them may be missing.
 
 # %% [markdown]
 # ## Dig deeper
 #
-# - Three points in a row, each within the tolerance of the next, the first and the last not. What
-#   does (14.1) return? What should be done: weld all, some, none?
+# - What should be done with chains of points, each within the tolerance of the next? Compare
+#   (14.1) with the components of `connected`. Which is better for a soup, and which for thinning?
+# - What is the Euler characteristic of a polygon soup of $M$ triangles?
 # - A closed part can be oriented in two ways. Show that $\frac16 \sum \det(\mathbf{a}, \mathbf{b},
-#   \mathbf{c})$ over its triangles is the volume, with a sign that tells which way the normals
-#   point. Why does it not matter where the origin is? What if one triangle is turned over?
-# - Round the coordinates in (14.4) to the precision of the computer, and put $\mathbf{p}$ very near
-#   to the plane. When is the sign wrong? How could a program know?
-# - To look at all pairs of edges and triangles takes hours for a million triangles. Sort boxes
-#   round the triangles first. Which pairs are left?
-# - Repair: which of the errors of the last picture could a program mend without asking, and where
-#   would it have to guess?
+#   \mathbf{c})$ over its triangles is its volume, positive if the normals point outward (a case of
+#   the divergence theorem). Why does the origin not matter? Compute the volume of Kleopatra: about
+#   697 000 km³.
+# - The signs in (14.4) are computed with rounding errors. When is a sign wrong? (Search for *robust
+#   geometric predicates*; Shewchuk, 1997.)
+# - Testing all pairs of edges and triangles takes hours for a million triangles. Search for
+#   *bounding-volume hierarchy*: which pairs remain?
+# - Which errors of the audit could a program repair without asking, and where must it guess?
+#   (Search for *hole filling*; Barequet and Sharir, 1995.)
 
 # %%
 progress()

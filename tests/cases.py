@@ -50,7 +50,7 @@ class Case:
     whether the residuals of a method that does not interpolate exceed rounding. `removable` says
     whether the method is defined without one of its sites, and `argument` is the name of the
     argument for the sites.
-    `arrangements` are those of `ARRANGEMENTS` that the case is tried on, three of them by default.
+    `arrangements` are those of `ARRANGEMENTS` that the case is tried on, one of them by default.
     """
 
     name: str
@@ -97,9 +97,8 @@ class Case:
     def arranged(self) -> Iterator[tuple[str, np.ndarray]]:
         """Name and sites of each arrangement on which the method is tried."""
         names = [name for name, a in ARRANGEMENTS.items() if self.d >= a.d]
-        start = crc32(self.name.encode())
-        three = (names[(start + i) % len(names)] for i in range(3))
-        for name in self.arrangements or three:
+        drawn = names[crc32(self.name.encode()) % len(names)]
+        for name in self.arrangements or (drawn,):
             for sites in ARRANGEMENTS[name].clouds(np.random.default_rng(7), self.n, self.d):
                 yield f"{name}, {len(sites)} sites", sites
 
@@ -418,9 +417,10 @@ class SplineWithAxis(NaturalCubicSpline):
 
     _queries = Reconstruction._queries
     field = Reconstruction.field
+    _made = classmethod(lambda cls, points, **how: cls(points, **how))
 
-    def __init__(self, points):
-        super().__init__(valid.as_points(points)[:, 0])
+    def __init__(self, points, *, executor=None, progress=None):
+        super().__init__(valid.as_points(points)[:, 0], executor=executor, progress=progress)
 
 
 def spline_cases() -> Iterator[Case]:

@@ -1,9 +1,14 @@
 """Settings of the tests, and the header of a test run."""
 
+import signal
+
 from hypothesis import HealthCheck, settings
 
 from fieldgrade.isolation.server import TIERS
 from hostile.case import HERE
+
+# Shells start background jobs with Ctrl-C ignored, and programs inherit this. Some tests send it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # No test has a deadline, which a busy machine would miss. Every run has the same examples.
 settings.register_profile(

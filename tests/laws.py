@@ -8,6 +8,8 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
+from functools import partial
+from inspect import signature
 from itertools import product
 from typing import TypeVar
 from unittest import mock
@@ -18,6 +20,7 @@ from scipy.spatial.distance import pdist
 
 from cases import FLAT, Case, CornersCase, PatchesCase
 from fieldrecon._core import chunks as _chunks
+from fieldrecon._core.chunks import Inline
 from fieldrecon.methods.solvability import TOLERATED_MISS
 from fieldrecon.polynomials import EPS
 from fieldrecon.reconstruction import Reconstruction
@@ -288,25 +291,60 @@ def results_do_not_depend_on_the_chunks(case: Case) -> None:
         assert_close(a, b, 100 * case.exact)
 
 
+def evaluations(case: Case) -> list[Callable[..., object]]:
+    """All functions of queries that take an executor and progress, at three queries."""
+    m, s = case.method, case.method.field(case.data)
+    f, x = np.array([1.0, -2.0, 3.0]), case.queries[-3:]
+    functions = s, s.gradient, m.weights, m.gradient_weights, partial(m.adjoint, f=f)
+    return [partial(evaluate, x) for evaluate in functions]
+
+
 def results_do_not_depend_on_the_executor(case: Case, executor: Executor | None = None) -> None:
     """The default threads, one thread and any other executor must give the same bits."""
-    s = case.method.field(case.data)
-    with mock.patch.object(_chunks, "CHUNK_BYTES", 2**12), ThreadPoolExecutor(1) as single:
-        for evaluate in (s, s.gradient):
-            default = evaluate(case.queries)
-            assert_close(evaluate(case.queries, executor=executor or single), default, 0.0)
+    with mock.patch.object(_chunks, "CHUNK_BYTES", 2**10), ThreadPoolExecutor(1) as single:
+        for evaluate in evaluations(case):
+            assert_same_bits(evaluate(executor=executor or single), evaluate())
+
+
+def assert_same_bits(a: object, b: object) -> None:
+    """Assert that two arrays or matrices, or two tuples of them, are equal."""
+    pairs = zip(a, b, strict=True) if isinstance(a, tuple) else [(a, b)]
+    for one, other in pairs:
+        assert_close(dense(one), dense(other), 0.0)
 
 
 def progress_increases_to_the_total(case: Case) -> None:
-    """progress(done, total) must increase and end with done = total."""
-    s = case.method.field(case.data)
-    with mock.patch.object(_chunks, "CHUNK_BYTES", 2**12):
-        for evaluate in (s, s.gradient):
+    """progress(done, total) must not decrease, and must reach the total once, at the end."""
+    with mock.patch.object(_chunks, "CHUNK_BYTES", 2**10):
+        for evaluate in evaluations(case):
             calls: list[tuple[int, int]] = []
-            evaluate(case.queries, progress=lambda *call, calls=calls: calls.append(call))
-            done = [d for d, _ in calls]
-            assert done == sorted(set(done))
-            assert calls[-1:] == [(len(case.queries), len(case.queries))]
+            evaluate(executor=Inline(), progress=lambda *call, calls=calls: calls.append(call))
+            assert_counted(calls, 3)
+
+
+def assert_counted(calls: list[tuple[int, int]], total: int) -> None:
+    """Assert that the calls of progress count up to the total, and reach it once."""
+    done = [d for d, _ in calls]
+    assert {of for _, of in calls} == {total}
+    assert done == sorted(done)
+    assert done.count(total) == 1, f"progress is {done}"
+
+
+def takes_an_executor(case: Case) -> bool:
+    """Whether the method is made from points, with an executor."""
+    return "executor" in signature(type(case.method)).parameters
+
+
+@about(takes_an_executor)
+def making_does_not_depend_on_the_executor(case: Case, executor: Executor | None = None) -> None:
+    """A method made by an executor must give the same bits, with progress up to its sites."""
+    m, calls = case.method, list[tuple[int, int]]()
+    with mock.patch.object(_chunks, "CHUNK_BYTES", 2**12), ThreadPoolExecutor(1) as single:
+        how = {"executor": executor or single, "progress": lambda *call: calls.append(call)}
+        here, there = (m._made(m.points, **m._arguments(), **h) for h in ({}, how))
+    assert_same_bits(there.weights(case.queries), here.weights(case.queries))
+    assert (there.degree, there.interpolates) == (here.degree, here.interpolates)
+    assert_counted(calls, case.n)
 
 
 # --- invariance: origin, axes, units, order -------------------------------------------------
@@ -588,6 +626,7 @@ LAWS: list[Law] = [
     results_do_not_depend_on_the_chunks,
     results_do_not_depend_on_the_executor,
     progress_increases_to_the_total,
+    making_does_not_depend_on_the_executor,
     results_do_not_depend_on_the_origin,
     results_do_not_depend_on_the_axes,
     results_do_not_depend_on_the_unit,

@@ -73,11 +73,18 @@ class Wrapped(Reconstruction):
     def _gradient_weight_rows(self, x):
         return self.right._gradient_weight_rows(x)
 
-    def _adjoint(self, x, f):
-        return self.right._adjoint(x, f)
+    def _adjoint(self, x, f, *how):
+        return self.right._adjoint(x, f, *how)
 
     def _chunk_rows(self, columns):
         return self.right._chunk_rows(columns)
+
+    @property
+    def _has_sparse_weights(self):
+        return self.right._has_sparse_weights
+
+    def _weight_chunk_rows(self):
+        return self.right._weight_chunk_rows()
 
 
 def wrapped(right: Case, mutant: type[Wrapped]) -> Case:
@@ -248,15 +255,15 @@ class GradientWeightsSwapped(Wrapped):
 class AdjointByThePseudoInverse(Wrapped):
     """Computes H⁺f instead of Hᵀf."""
 
-    def _adjoint(self, x, f):
+    def _adjoint(self, x, f, *how):  # noqa: ARG002
         return np.linalg.pinv(laws.dense(self._weight_rows(x))) @ f
 
 
 class AdjointDividedByTheComponents(Wrapped):
     """Correct for one component, and divided by two for two."""
 
-    def _adjoint(self, x, f):
-        return super()._adjoint(x, f) / f.shape[1]
+    def _adjoint(self, x, f, *how):
+        return super()._adjoint(x, f, *how) / f.shape[1]
 
 
 # --- queries --------------------------------------------------------------------------------------
@@ -304,6 +311,92 @@ class DependsOnTheThread(Wrapped):
         rows = super()._value_rows(x, prepared)
         main = threading.current_thread() is threading.main_thread()
         return rows if main else np.nextafter(rows, 9.0)
+
+
+class RoundedByTheExecutor(Wrapped):
+    """An executor returns half precision."""
+
+    def weights(self, x, *, executor=None, **how):
+        return rounded_if(executor, super().weights(x, **how))
+
+    def gradient_weights(self, x, *, executor=None, **how):
+        return tuple(rounded_if(executor, g) for g in super().gradient_weights(x, **how))
+
+    def adjoint(self, x, f, *, executor=None, **how):
+        return rounded_if(executor, super().adjoint(x, f, **how))
+
+
+def rounded_if(executor, a):
+    return a if executor is None else a.astype(np.float16).astype(float)
+
+
+class ExactWeights(RoundedByTheExecutor):
+    """Only gradient weights and the adjoint are rounded."""
+
+    weights = Reconstruction.weights
+
+
+class OnlyTheAdjointIsRounded(ExactWeights):
+    """Neither weights are rounded."""
+
+    gradient_weights = Reconstruction.gradient_weights
+
+
+class TotalTwice(Wrapped):
+    """The total is reported again after the last chunk."""
+
+    def weights(self, x, *, progress=None, **how):
+        return total_again(progress, super().weights(x, progress=progress, **how), x)
+
+    def gradient_weights(self, x, *, progress=None, **how):
+        return total_again(progress, super().gradient_weights(x, progress=progress, **how), x)
+
+    def adjoint(self, x, f, *, progress=None, **how):
+        return total_again(progress, super().adjoint(x, f, progress=progress, **how), x)
+
+
+def total_again(progress, result, x):
+    if progress is not None:
+        progress(len(x), len(x))
+    return result
+
+
+class TotalOfTheWeightsOnce(TotalTwice):
+    """Only for gradient weights and the adjoint."""
+
+    weights = Reconstruction.weights
+
+
+class TotalOfTheAdjointTwice(TotalOfTheWeightsOnce):
+    """Only for the adjoint."""
+
+    gradient_weights = Reconstruction.gradient_weights
+
+
+class MadeInHalfPrecision(RBF):
+    """An executor rounds the points."""
+
+    def __init__(self, points, kernel, *, executor=None, **how):
+        super().__init__(rounded_if(executor, points), kernel, **how)
+
+
+class MadeWithoutAnEnd(PartitionOfUnityRBF):
+    """Progress of the last step is not reported."""
+
+    def __init__(self, points, *args, progress=None, **how):
+        def all_but_last(done, total):
+            if done < total:
+                progress(done, total)
+
+        super().__init__(points, *args, progress=progress and all_but_last, **how)
+
+
+class MadeTwice(LeastSquares):
+    """Progress begins again after it has ended."""
+
+    def __init__(self, points, degree=1, *, executor=None, progress=None):
+        super().__init__(points, degree, progress=progress)
+        super().__init__(points, degree, executor=executor, progress=progress)
 
 
 class ProgressWithoutTheLastChunk(WrappedField):
@@ -735,8 +828,27 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
     laws.leading_axes_of_queries_are_kept: [wrapped(MOVING, AxesInFortranOrder)],
     laws.empty_queries_give_empty_results: [wrapped(LINE, AtLeastOneResult)],
     laws.results_do_not_depend_on_the_chunks: [wrapped(PLATE, DependsOnTheBatch)],
-    laws.results_do_not_depend_on_the_executor: [wrapped(LINE, DependsOnTheThread)],
-    laws.progress_increases_to_the_total: [wrapped(PLATE, ProgressWithoutTheLastChunk)],
+    laws.results_do_not_depend_on_the_executor: [
+        wrapped(LINE, DependsOnTheThread),
+        wrapped(LINE, RoundedByTheExecutor),
+        wrapped(LINE, ExactWeights),
+        wrapped(LINE, OnlyTheAdjointIsRounded),
+    ],
+    laws.progress_increases_to_the_total: [
+        wrapped(PLATE, ProgressWithoutTheLastChunk),
+        wrapped(PLATE, TotalTwice),
+        wrapped(PLATE, TotalOfTheWeightsOnce),
+        wrapped(PLATE, TotalOfTheAdjointTwice),
+    ],
+    laws.making_does_not_depend_on_the_executor: [
+        made(
+            PLATE,
+            "MadeInHalfPrecision",
+            lambda p, _: MadeInHalfPrecision(p, thin_plate_spline()),
+        ),
+        patches(MadeWithoutAnEnd),
+        made(LINE, "MadeTwice", lambda p, _: MadeTwice(p)),
+    ],
     laws.results_do_not_depend_on_the_origin: [
         made(LINE, "AbsoluteCoordinates", lambda p, _: AbsoluteCoordinates(p))
     ],

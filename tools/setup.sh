@@ -107,12 +107,18 @@ what_is_missing() {
     fi
 }
 
+uv_install() { "$venv/bin/python" -m uv pip install --python "$venv/bin/python" "$@"; }
+
 install() {
     # Compiled once here instead of by every process that imports the packages first.
-    "$venv/bin/python" -m uv pip install --python "$venv/bin/python" --require-hashes \
-        --compile-bytecode -r requirements-setup.lock -r requirements.lock "$@"
-    "$venv/bin/python" -m uv pip install --python "$venv/bin/python" --quiet \
-        --no-deps --no-build-isolation --reinstall-package fieldrecon \
+    set -- --require-hashes --compile-bytecode -r requirements-setup.lock -r requirements.lock "$@"
+    # uv brings its own certificates. A network that inspects TLS is known to the system only.
+    uv_install "$@" || {
+        echo "fieldrecon: trying again with the certificates of this system" >&2
+        export UV_SYSTEM_CERTS=1
+        uv_install "$@"
+    }
+    uv_install --quiet --no-deps --no-build-isolation --reinstall-package fieldrecon \
         --reinstall-package fieldrecon-course --editable . --editable ./src
     # The first import must not make a folder, which make would take for a changed source.
     "$venv/bin/python" -m compileall -q src

@@ -2,7 +2,8 @@
 
   ![The caption, with $math$.](power_sampling.svg){#fig:name alt="What is to be seen."}
 
-The experiment is known from the file's name; its parameters are put below the caption.          ]]
+The experiment is known from the file's name; its parameters are put below the caption, where the
+page folds them; in print the appendix lists them.                                               ]]
 
 local labels = require 'labels'
 local problems = require 'problems'
@@ -48,10 +49,12 @@ local function provenance(names)
     out:insert(name_of(name))
   end
   local only = #names == 1 and values.experiment(names[1])
+  local with = pandoc.Inlines {}
   for i, field in ipairs(only and only.fields or {}) do
-    out:extend { pandoc.Str(i == 1 and ':' or ';'), pandoc.Space() }
-    out:extend(parameter(field.name, only.params[field.name]))
+    with:extend { pandoc.Str(i == 1 and ':' or ';'), pandoc.Space() }
+    with:extend(parameter(field.name, only.params[field.name]))
   end
+  if #with > 0 then out:insert(pandoc.Span(with, { '', { 'parameters' } })) end
   out:insert(pandoc.Str '.')
   return pandoc.Span(out, { '', { 'provenance' } })
 end

@@ -19,6 +19,34 @@ local function in_scroll_box(t)
     { { 'role', 'region' }, { 'tabindex', '0' }, { 'aria-label', name or 'table' } }))   -- in this order
 end
 
+-- The parameters below a caption are folded. A link cannot stand in the summary, which is a button.
+local function folded(s)
+  if not s.classes:includes 'provenance' then return nil end
+  local head, parameters = pandoc.Inlines {}, nil
+  for _, x in ipairs(s.content) do
+    if x.t == 'Span' and x.classes:includes 'parameters' then parameters = x.content
+    elseif not parameters then head:insert(x) end
+  end
+  if not parameters then return nil end
+  local out = pandoc.Inlines { pandoc.RawInline('html', '<details class="provenance"><summary>') }
+  out:extend(head:walk { Link = function(l) return l.content end })
+  out:extend { parameters:remove(1), pandoc.RawInline('html', '</summary>') }     -- the colon
+  out:extend(parameters)
+  out:extend { pandoc.Str '.', pandoc.RawInline('html', '</details>') }
+  return out
+end
+
+-- A living figure: its script replaces the picture. The text after the figure says what to do.
+local function widget(div)
+  if not div.classes:includes 'widget' then return nil end
+  local figure, lead = pandoc.Blocks {}, pandoc.Blocks {}
+  for _, block in ipairs(div.content) do
+    if block.t == 'Figure' then figure:insert(block) else lead:insert(block) end
+  end
+  figure:insert(pandoc.Div(lead, { '', { 'lead' }, { { 'hidden', '' } } }))      -- the script shows it
+  return pandoc.Div(figure, { '', { 'widget' }, { { 'data-widget', div.attributes.name or '' } } })
+end
+
 return function(doc)
   local root = pandoc.utils.stringify(doc.meta.figures)
   local function image(i)
@@ -27,6 +55,6 @@ return function(doc)
       escaped(i.src), escaped(pandoc.utils.stringify(i.caption)),
       100 * math.min(1, width / pictures.text_width)))
   end
-  doc.blocks = doc.blocks:walk { Image = image, Header = lower_heading, Table = in_scroll_box }
+  doc.blocks = doc.blocks:walk { Image = image, Header = lower_heading, Table = in_scroll_box, Span = folded, Div = widget }
   return doc
 end

@@ -23,12 +23,24 @@ local function wrapped(before, inlines, after)
   return out
 end
 
+local function with_pages(inlines)
+  return inlines:walk { Link = function(l) return { l, raw('#page-of(<' .. l.target:sub(2) .. '>)') } end }
+end
+
 local function span(s)
   if s.classes:includes 'label' then return pandoc.Strong(s.content) end
-  if s.classes:includes 'provenance' then return wrapped('#provenance[', s.content, ']') end
+  if s.classes:includes 'parameters' then return {} end     -- the appendix lists them
+  if s.classes:includes 'provenance' then return wrapped('#provenance[', with_pages(s.content), ']') end
+  if s.classes:includes 'with-page' then return with_pages(s.content) end
+end
+
+-- In print only the figure of a living figure is left.
+local function figures_of(div)
+  return div.content:filter(function(block) return block.t == 'Figure' end)
 end
 
 local function box(div)
+  if div.classes:includes 'widget' then return figures_of(div) end
   local kind
   for _, class in ipairs(div.classes) do
     if class ~= 'statement' then kind = kind or class end

@@ -30,6 +30,11 @@ def into_an_empty_array(points):
     return b
 
 
+@answers("01.1")
+def as_a_matrix(points):
+    return np.matrix(np.c_[np.ones(len(points)), points])
+
+
 @answers("01.2")
 def by_lstsq(points, values):
     return np.linalg.lstsq(np.insert(points, 0, 1, axis=1), values, rcond=None)[0]
@@ -71,18 +76,27 @@ def by_einsum(coefficients, x):
 @answers("01.4")
 def by_differences(points):
     moved = points - points[0]
-    return 1 + np.linalg.matrix_rank(moved / max(np.abs(moved).max(), 1e-300), tol=1e-8)
+    return 1 + np.linalg.matrix_rank(moved / max(np.abs(moved).max(), 1e-300), tol=1e-9)
 
 
 @answers("01.4")
 def by_singular_values(points):
     s = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-    return 1 + int(np.sum(s > 1e-10 * max(np.abs(points).max(), 1)))
+    return 1 + int(np.sum(s > 1e-9 * (points.max(axis=0) - points.min(axis=0)).max()))
 
 
 @answers("01.4")
 def of_the_matrix_itself(points):
-    return np.linalg.matrix_rank(np.insert(points - points.mean(axis=0), 0, 1.0, axis=1), tol=1e-9)
+    extent = np.ptp(points, axis=0).max() or 1.0
+    scaled = (points - points.mean(axis=0)) / extent
+    return np.linalg.matrix_rank(np.insert(scaled, 0, 1.0, axis=1), tol=1e-9)
+
+
+@answers("01.4")
+def as_a_float_in_a_matrix(points):
+    moved = points - points[0]
+    scale = np.abs(moved).max()
+    return np.array([[1.0 if scale == 0 else 1.0 + np.linalg.matrix_rank(moved / scale, tol=1e-9)]])
 
 
 @answers("01.5")

@@ -42,7 +42,26 @@ def as_a_hypotenuse(points, x, epsilon):
     return 1 / np.hypot(np.linalg.norm(points - x, axis=1), epsilon) ** 2
 
 
+@answers("02.1")
+def from_matrices_as_complex_numbers(points, x, epsilon):
+    d = np.matrix(points) - x
+    return 1 / (np.diag(d * d.T) + epsilon**2) + 0j
+
+
 # 02.2
+
+
+@answers("02.2")
+def by_matrices(points, values, w):
+    b, v = np.matrix(np.insert(points, 0, 1, axis=1)), np.matrix(values).T
+    w = np.matrix(np.diag(w))
+    return np.array((b.T * w * w * b).I * (b.T * w * w * v)).ravel()
+
+
+@answers("02.2")
+def with_weights_of_at_most_one(points, values, w):
+    w = w / w.max()
+    return list(np.linalg.pinv(w[:, None] * np.insert(points, 0, 1, axis=1)) @ (w * values))
 
 
 @answers("02.2")
@@ -212,6 +231,13 @@ def by_lstsq_and_shape_functions(points, places, n, epsilon):
 
 
 @answers("02.8")
+def with_a_huge_epsilon_for_least_squares(points, places, n, epsilon):
+    v, t = np.sum(points, axis=1) ** n, np.sum(places, axis=1) ** n
+    fields = [[shape_functions(points, p, e) @ v for p in places] for e in (1e7, epsilon)]
+    return [np.sqrt(np.mean((f - t) ** 2)) for f in np.array(fields)]
+
+
+@answers("02.8")
 def place_by_place(points, places, n, epsilon):
     v = np.array([(p[0] + p[1]) ** n for p in points])
     ls = mls = 0.0
@@ -248,6 +274,15 @@ def by_deletion(points, values, epsilon):
         a = shape_functions(np.delete(points, i, axis=0), p, epsilon)
         e.append(v - a @ np.delete(values, i))
     return e
+
+
+@answers("02.9")
+def by_slices(points, values, epsilon):
+    e = []
+    for i in range(len(points)):
+        p, v = np.r_[points[:i], points[i + 1 :]], np.r_[values[:i], values[i + 1 :]]
+        e.append(values[i] - shape_functions(p, points[i], epsilon) @ v)
+    return tuple(e)
 
 
 @answers("02.9")

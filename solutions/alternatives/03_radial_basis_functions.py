@@ -45,7 +45,20 @@ def with_a_negligible_addition(y):
     return s * np.log(s + 1e-300)
 
 
+@answers("03.1")
+def as_nested_lists(y):
+    s = np.square(y).sum(-1)
+    return np.vectorize(lambda t: t * np.log(t) if t else 0.0)(s).tolist()
+
+
 # 03.2 The matrix
+
+
+@answers("03.2")
+def from_matrices(points):
+    b = np.matrix(np.insert(points, 0, 1.0, axis=1))
+    q = b.shape[1]
+    return np.bmat([[np.matrix(between(points, points)), b], [b.T, np.zeros((q, q))]])
 
 
 @answers("03.2")
@@ -105,6 +118,12 @@ def by_lstsq(points, values):
     right = np.zeros(len(h))
     right[: len(values)] = values
     return tuple(np.split(np.linalg.lstsq(h, right, rcond=None)[0], [len(values)]))
+
+
+@answers("03.3")
+def as_a_list(points, values):
+    unknown = np.linalg.solve(bordered(points), np.append(values, np.zeros(points.shape[1] + 1)))
+    return np.split(unknown, [len(values)])
 
 
 @answers("03.3")
@@ -174,7 +193,7 @@ def by_einsum(points, lam, c, x):
 @answers("03.5")
 def by_signs(points):
     eigenvalues = np.linalg.eigvalsh(bordered(points))
-    eigenvalues[np.abs(eigenvalues) < 1e-10 * np.abs(eigenvalues).max()] = 0
+    eigenvalues[np.abs(eigenvalues) < 1e-12 * np.abs(eigenvalues).max()] = 0
     signs = np.sign(eigenvalues)
     return [np.count_nonzero(signs == s) for s in (1, -1, 0)]
 
@@ -182,7 +201,7 @@ def by_signs(points):
 @answers("03.5")
 def by_general_eigenvalues(points):
     eigenvalues = np.linalg.eigvals(bordered(points)).real
-    tolerance = 1e-11 * np.linalg.norm(eigenvalues)
+    tolerance = 1e-12 * np.linalg.norm(eigenvalues)
     positive, negative = (eigenvalues > tolerance).sum(), (eigenvalues < -tolerance).sum()
     return np.array([positive, negative, len(eigenvalues) - positive - negative])
 
@@ -236,6 +255,13 @@ def from_the_values(points, values):
     n = len(points)
     lam = np.linalg.solve(bordered(points), np.append(values, [0, 0, 0]))[:n]
     return 16 * np.pi * lam @ values
+
+
+@answers("03.7")
+def from_the_residual_of_the_affine_part(points, values):
+    unknown = np.linalg.solve(bordered(points), np.append(values, [0, 0, 0]))
+    lam, c = np.split(unknown, [len(points)])
+    return [[16 * np.pi * np.sum(lam * (values - c[0] - points @ c[1:]))]]
 
 
 @answers("03.7")

@@ -259,3 +259,25 @@ def six_less_the_conics(vertices):
     s = np.zeros(6)
     s[: min(m.shape)] = np.linalg.svd(m, compute_uv=False)
     return 6 - int(np.sum(s < 1e-9))
+
+
+@answers("04.7")
+def with_columns_of_length_one(vertices):
+    x, y = (vertices - vertices.mean(axis=0)).T
+    b = np.column_stack([np.ones(len(x)), x, y, x * x, x * y, y * y])
+    return np.linalg.matrix_rank(b / np.linalg.norm(b, axis=0), tol=1e-9)
+
+
+@answers("04.6")
+def as_one_array(center, ring):
+    ends = [(center, r) for r in ring] + [(ring[i - 1], ring[i]) for i in [*range(1, len(ring)), 0]]
+    a, b = np.swapaxes(ends, 0, 1)
+    d = (b - a)[:, ::-1] * [1, -1]
+    return np.array([(a + b) / 2, d / np.linalg.norm(d, axis=1, keepdims=True)])
+
+
+@answers("04.3")
+def as_an_eigenvector(points, normals):
+    columns = [normals, points[:, [0]] * normals, points[:, [1]] * normals]
+    b = np.hstack(columns)
+    return (1e-3 * np.linalg.eigh(b.T @ b)[1][:, 0]).tolist()

@@ -116,6 +116,16 @@ def in_closed_form(q):
 
 
 @answers("06.4")
+def by_determinants_around_the_centroid(q):
+    (ax, ay), (bx, by), (cx, cy) = q - q.mean(axis=0)
+    a2, b2, c2 = ax**2 + ay**2, bx**2 + by**2, cx**2 + cy**2
+    d = 2 * (ax * (by - cy) + bx * (cy - ay) + cx * (ay - by))
+    x = a2 * (by - cy) + b2 * (cy - ay) + c2 * (ay - by)
+    y = a2 * (cx - bx) + b2 * (ax - cx) + c2 * (bx - ax)
+    return q.mean(axis=0) + np.array([x, y]) / d
+
+
+@answers("06.4")
 def by_complex_numbers(q):
     z = (q - q[2]) @ np.array([1, 1j])
     o = (z[0] * z[1] * (z[0] - z[1]).conjugate()) / (

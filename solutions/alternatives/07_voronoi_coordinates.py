@@ -35,8 +35,8 @@ def by_turning(center, radius, turn):
 
 
 @answers("07.2")
-def by_differences_of_squares(a, b, c):
-    return np.linalg.solve(2 * np.array([b - a, c - b]), [b @ b - a @ a, c @ c - b @ b])
+def by_sums_and_differences(a, b, c):
+    return np.linalg.solve(np.array([b - a, c - b]), [(b - a) @ (a + b) / 2, (c - b) @ (b + c) / 2])
 
 
 @answers("07.2")
@@ -108,19 +108,6 @@ def from_heights_of_neighbours(center, rim, corners, x):
     h = [0.5 * t @ t - t @ (x - center) for t in s]
     n = len(s)
     return [abs(np.linalg.det(s[[a, (a + 1) % n]])) / h[a] / h[(a + 1) % n] for a in range(n)]
-
-
-@answers("07.4")
-def from_areas_in_the_cell(center, rim, corners, x):
-    def twice(p, q, r):
-        return abs(np.linalg.det([q - p, r - p]))
-
-    n, out = len(rim), []
-    for a in range(n):
-        before, here, after = corners[a - 1], corners[a], corners[(a + 1) % n]
-        w = twice(before, here, after) / (twice(x, before, here) * twice(x, here, after))
-        out.append(w)
-    return out
 
 
 @answers("07.5")

@@ -35,10 +35,10 @@ def from_distances_alone(a, b, c, d):
 
 
 @answers("08.2")
-def by_differences_of_squares(a, b, c, d):
+def by_sums_and_differences(a, b, c, d):
     p = np.array([a, b, c, d])
-    squares = (p**2).sum(axis=1)
-    return np.linalg.solve(2 * (p[1:] - p[:-1]), squares[1:] - squares[:-1])
+    edges, sums = p[1:] - p[:-1], p[1:] + p[:-1] - 2 * d
+    return d + np.linalg.solve(edges, (edges * sums).sum(axis=1) / 2)
 
 
 @answers("08.2")
@@ -82,7 +82,7 @@ def from_the_normals(center, neighbors, cells, corners, x):
         n = neighbors[cell] - center
         n = n / np.linalg.norm(n, axis=1)[:, None]
         out.append(abs(np.linalg.det(n)) / np.prod(n @ (p - x)))
-    return out
+    return np.array(out, dtype=object)
 
 
 @answers("08.7")

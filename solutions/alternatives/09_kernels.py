@@ -86,7 +86,7 @@ def by_an_obstacle(a, p):
 @answers("09.2")
 def by_eigenvectors_of_the_square(a, p):
     values, vectors = np.linalg.eigh(p @ p.T)
-    z = vectors[:, values <= 1e-11 * max(values.max(), 1)]
+    z = vectors[:, values <= 1e-11 * values.max()]
     return np.linalg.eigvals(z.T @ a @ z).real.min()
 
 
@@ -100,12 +100,26 @@ def by_a_general_problem(a, p):
     return eigh(z.T @ a @ z, z.T @ z, eigvals_only=True)[0]
 
 
+@answers("09.2")
+def with_a_penalty_off_the_subspace(a, p):
+    n = len(a)
+    off = p @ np.linalg.pinv(p, rcond=1e-10) if p.shape[1] else np.zeros((n, n))
+    on = np.eye(n) - off
+    return np.linalg.eigvalsh(on @ a @ on + 10 * np.abs(a).sum() * off).min()
+
+
 # 09.3 Polynomials that vanish
+
+
+def own_box(points):
+    """Points with the least coordinates zero and the largest one 1."""
+    away = points - points.min(axis=0)
+    return away / max(away.max(), 1e-300)
 
 
 @answers("09.3")
 def by_singular_values(points, degree):
-    s = np.linalg.svd(full(points, degree), compute_uv=False)
+    s = np.linalg.svd(full(own_box(points), degree), compute_uv=False)
     return (degree + 1) * (degree + 2) // 2 - np.sum(s > 1e-11 * s[0])
 
 
@@ -113,14 +127,14 @@ def by_singular_values(points, degree):
 def by_a_null_space(points, degree):
     from scipy.linalg import null_space
 
-    return null_space(full(points, degree), rcond=1e-10).shape[1]
+    return null_space(full(own_box(points), degree), rcond=1e-10).shape[1]
 
 
 @answers("09.3")
 def by_pivots(points, degree):
     from scipy.linalg import qr
 
-    p = full(points, degree)
+    p = full(own_box(points), degree)
     r = np.abs(np.diag(qr(p, mode="economic", pivoting=True)[1]))
     return p.shape[1] - int((r > 1e-10 * r[0]).sum())
 

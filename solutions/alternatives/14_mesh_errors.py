@@ -41,13 +41,13 @@ def the_least_of_those_near(points, tolerance):
 
 
 @answers("14.1")
-def first_come(points, tolerance):
-    kept, place = [], np.zeros(len(points), dtype=int)
+def earlier_ones_in_turn(points, tolerance):
+    place = np.arange(len(points))
     for i, p in enumerate(points):
-        there = [j for j in kept if np.hypot.reduce(points[j] - p) <= tolerance]
-        place[i] = there[0] if there else i
-        if not there:
-            kept.append(i)
+        for j in range(i):
+            if np.hypot.reduce(points[j] - p) <= tolerance:
+                place[i] = j
+                break
     return place
 
 
@@ -349,8 +349,12 @@ def with_where(points, triangles, tolerance):
 def by_solving(start, end, corners):
     result = []
     for p, q, (a, b, c) in zip(start, end, corners):
-        u, v, t = np.linalg.solve(np.column_stack([b - a, c - a, p - q]), p - a)
-        result.append(0 < t < 1 and u > 0 and v > 0 and u + v < 1)
+        matrix = np.column_stack([b - a, c - a, p - q])
+        if np.linalg.det(matrix) == 0:
+            result.append(False)
+            continue
+        u, v, t = np.linalg.solve(matrix, p - a)
+        result.append(1e-12 < t < 1 - 1e-12 and u > 0 and v > 0 and u + v < 1)
     return result
 
 
@@ -376,5 +380,5 @@ def by_volumes_one_by_one(start, end, corners):
     for k, (p, q) in enumerate(zip(start, end)):
         a, b, c = corners[k]
         rim = [volume(p, q, a, b) > 0, volume(p, q, b, c) > 0, volume(p, q, c, a) > 0]
-        result[k] = (volume(a, b, c, p) > 0) != (volume(a, b, c, q) > 0) and len(set(rim)) == 1
+        result[k] = volume(a, b, c, p) * volume(a, b, c, q) < 0 and len(set(rim)) == 1
     return result

@@ -57,6 +57,12 @@ def circumcentre_of_a_right_angle(seed):
     )
 
 
+@hidden("06.5", "The number s may be negative, and there may be one point only.")
+def inflow(seed):
+    random = np.random.default_rng(seed + 7)
+    return (Call("truth", (random.normal(size=(1, 2)), random.normal(size=2), -1.3), "one point"),)
+
+
 @hidden("06.6", "It must hold for every mesh, and for any rate of expansion.")
 def of_two_cells(seed):
     random = np.random.default_rng(seed + 5)
@@ -75,6 +81,11 @@ def at_a_corner(seed):
         Call(
             "raviart_thomas",
             (q, random.normal(size=3), 5 * random.normal(size=2)),
-            "a place far outside",
+            "a point far outside",
+        ),
+        Call(
+            "raviart_thomas",
+            (q[::-1].copy(), random.normal(size=3), random.normal(size=2)),
+            "the same triangle, listed the other way round",
         ),
     )

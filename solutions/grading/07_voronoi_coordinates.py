@@ -8,8 +8,11 @@ from fieldcheck.questions.q07_voronoi_coordinates import (
     octagon,
     on_edges,
     point_for_weights,
+    point_outside,
     points_inside,
+    points_outside,
     star,
+    uneven_cell,
 )
 from fieldgrade.authoring.hidden_cases import hidden
 
@@ -28,28 +31,30 @@ def few_and_many(seed):
     random = np.random.default_rng(seed + 2)
     calls = []
     for n in (3, 10):
-        center, rim, corners = star(random, n)
+        center, rim, corners = star(random, n, clockwise=n == 10)
         x = point_for_weights(random, center, rim, corners)
         calls.append(Call("weights", (center, rim, corners, x), f"{n} neighbours"))
+        x = point_outside(center, rim, corners)
+        calls.append(Call("weights", (center, rim, corners, x), f"{n} neighbours, outside"))
     return tuple(calls)
 
 
-@hidden("07.5", "A single place must do.")
+@hidden("07.5", "There may be one point only.")
 def one_place(seed):
     random = np.random.default_rng(seed + 3)
     center, rim, corners = star(random, 5)
     x = points_inside(random, center, corners, 1)
-    return (Call("coordinates", (center, rim, corners, x), "one place among five neighbours"),)
+    return (Call("coordinates", (center, rim, corners, x), "one point among five neighbours"),)
 
 
 @hidden("07.6", "It must hold for other numbers of points.")
 def few_points(seed):
     random = np.random.default_rng(seed + 4)
-    center, _, corners = star(random, 5)
+    center, corners = uneven_cell(random, 5, False)
     return (Call("spiral", (center, corners, 3), "three points among five neighbours"),)
 
 
-@hidden("07.8", "The edges of any cell count, not of a square one only, and so do its corners.")
+@hidden("07.8", "It must hold on the edges and corners of any cell, outside, and in every unit.")
 def on_other_edges(seed):
     random = np.random.default_rng(seed + 5)
     corners = octagon(random)
@@ -57,8 +62,11 @@ def on_other_edges(seed):
     uneven = (center, mirror_images(center, corners), at)
     square = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
     at_corners = (np.zeros(2), mirror_images(np.zeros(2), square), square)
+    tiny = tuple(2.0**-33 * part for part in uneven)
     name = "safe_coordinates"
     return (
         Call(name, uneven, "the edges and corners of an uneven cell", exact=(0, 1, 2)),
         Call(name, at_corners, "the corners of a square cell", exact=(0, 1, 2)),
+        Call(name, tiny, "the edges and corners of a tiny cell", exact=(0, 1, 2)),
+        Call(name, (*uneven[:2], points_outside(center, corners)), "points outside an octagon"),
     )

@@ -4,7 +4,12 @@ import numpy as np
 
 from fieldcheck.calls import Call
 from fieldcheck.questions.q07_voronoi_coordinates import mirror_images, octagon
-from fieldcheck.questions.q08_weights_in_3d import points_inside, star
+from fieldcheck.questions.q08_weights_in_3d import (
+    point_outside,
+    points_inside,
+    points_outside,
+    star,
+)
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -23,18 +28,21 @@ def few_and_many(seed):
         center, neighbors, cells, corners = star(random, n)
         (x,) = points_inside(random, center, corners, 1)
         calls.append(Call("weights", (center, neighbors, cells, corners, x), f"{n + 2} neighbours"))
+        x = point_outside(center, neighbors, cells, corners)
+        case = f"{n + 2} neighbours, outside"
+        calls.append(Call("weights", (center, neighbors, cells, corners, x), case))
     return tuple(calls)
 
 
-@hidden("08.8", "A single place must do.")
+@hidden("08.8", "There may be one point only.")
 def one_place(seed):
     random = np.random.default_rng(seed + 3)
     center, neighbors, _, corners = star(random, 5)
     x = points_inside(random, center, corners, 1)
-    return (Call("heights", (center, neighbors, x), "one place among seven neighbours"),)
+    return (Call("heights", (center, neighbors, x), "one point among seven neighbours"),)
 
 
-@hidden("08.10", "The edges and faces of any cell count, not of a cube only.")
+@hidden("08.10", "It must hold on edges and faces of any cell, outside, and in every unit.")
 def on_other_faces(seed):
     random = np.random.default_rng(seed + 4)
     flat = octagon(random)
@@ -46,4 +54,11 @@ def on_other_faces(seed):
     cells = np.array([[b, (b + 1) % 8, end] for end in (8, 9) for b in range(8)])
     at = np.vstack([low, high, (low + high) / 2, low.mean(axis=0)])
     prism = (center, neighbors, random.permuted(cells, axis=1), at)
-    return (Call("coordinates", prism, "corners, edges and a face of a prism", exact=(0, 1, 3)),)
+    tiny = (*(2.0**-33 * part for part in prism[:2]), prism[2], 2.0**-33 * at)
+    around = (*prism[:3], points_outside(*prism[:3], np.vstack([low, high])))
+    name = "coordinates"
+    return (
+        Call(name, prism, "corners, edges and a face of a prism", exact=(0, 1, 3)),
+        Call(name, tiny, "corners, edges and a face of a tiny prism", exact=(0, 1, 3)),
+        Call(name, around, "points outside a prism"),
+    )

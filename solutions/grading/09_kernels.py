@@ -28,10 +28,12 @@ def any_matrix(seed):
             (1e4 * (a + a.T), np.hstack([p, p, p, p])),
             "conditions that are given four times",
         ),
+        Call("least_eigenvalue", (a + a.T, p * [1, 3e-3, 1]), "conditions of different sizes"),
+        Call("least_eigenvalue", (a + a.T, 1e-8 * p), "conditions with small numbers"),
     )
 
 
-@hidden("09.3", "Two lines are a conic too; and points need not lie around the origin.")
+@hidden("09.3", "Two lines are a conic too, and it must hold far from the origin and in any unit.")
 def on_two_lines(seed):
     random = np.random.default_rng(seed + 3)
     along = cloud(random, 8, 1)[:, 0]
@@ -39,19 +41,23 @@ def on_two_lines(seed):
         [np.where(np.arange(8) < 4, along, 0.3), np.where(np.arange(8) < 4, 0.3, along)]
     )
     turn = np.linalg.qr(random.normal(size=(2, 2)))[0]
+    off = 1e-6 * (np.arange(8) == 2)[:, None]
     return (
         Call("vanishing", (cross.T @ turn + 1, 2), "eight points on two lines"),
         Call("vanishing", (cloud(random, 9, 2) + 3, 2), "nine points away from the origin"),
-        Call("vanishing", (cloud(random, 1, 2), 1), "one point"),
+        Call("vanishing", (cloud(random, 2, 2), 1), "two points"),
+        Call("vanishing", (1e-7 * (cross.T @ turn), 2), "eight points on two tiny lines"),
+        Call("vanishing", (cross.T @ turn + off, 2), "eight points near two lines"),
+        Call("vanishing", (1e6 * (1 + cloud(random, 7, 2)), 2), "seven points in a large box"),
     )
 
 
-@hidden("09.4", "It must hold for other powers, degrees and numbers of points, and at one place.")
+@hidden("09.4", "It must hold for other powers, degrees and numbers of points, and at one point.")
 def other_fields(seed):
     random = np.random.default_rng(seed + 4)
     points, values = cloud(random, 20, 2), random.normal(size=20)
     return (
-        Call("interpolate", (points, values, 4, 2, random.random((1, 2))), "k = 4 and one place"),
+        Call("interpolate", (points, values, 4, 2, random.random((1, 2))), "k = 4 and one point"),
         Call(
             "interpolate",
             (points, values, 3, 3, points),

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q10_natural_splines import line
+from fieldcheck.questions.q10_natural_splines import line, natural_data
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -42,15 +42,14 @@ def uneven_steps(seed):
     )
 
 
-@hidden("10.4", "The places may come in any order, and there may be two sites only.")
-def places_in_any_order(seed):
+@hidden("10.4", "The points may come in any order, and there may be two sites only.")
+def points_in_any_order(seed):
     random = np.random.default_rng(seed + 4)
-    sites, bends = line(random, 9), np.append(0, random.normal(size=8))
-    bends[-1] = 0
+    sites, heights, bends = natural_data(random, 9)
     x = random.uniform(sites[0] - 3, sites[-1] + 3, 30)
     two = line(random, 2)
     return (
-        Call("piecewise", (sites, random.normal(size=9), bends, x), "places in any order"),
+        Call("piecewise", (sites, heights, bends, x), "points in any order"),
         Call("piecewise", (two, random.normal(size=2), np.zeros(2), x), "two sites"),
     )
 
@@ -58,17 +57,10 @@ def places_in_any_order(seed):
 @hidden("10.5", "There may be two sites only, or many.")
 def two_sites_or_many(seed):
     random = np.random.default_rng(seed + 5)
-    many, two, bends = line(random, 10), line(random, 2), random.normal(size=10)
-    bends[[0, -1]] = 0
-    # Only moments that belong to values give an interpolating curve; the formulas hold for all.
-    z = np.subtract.outer(many[1:], many[:-1]).clip(min=0)
-    alpha = np.linalg.solve(6 * z, bends[1:])
-    values = (
-        np.subtract.outer(many, many).clip(min=0) ** 3 @ np.append(alpha, -alpha.sum()) + 1 - many
-    )
+    two = line(random, 2)
     return (
         Call("truncated", (two, random.normal(size=2), np.zeros(2)), "two sites"),
-        Call("truncated", (many, values, bends), "ten sites"),
+        Call("truncated", natural_data(random, 10), "ten sites"),
     )
 
 
@@ -81,14 +73,16 @@ def any_broken_line(seed):
     )
 
 
-@hidden("10.7", "Knots may be triple, places may lie far outside, and the degree may be higher.")
+@hidden("10.7", "Knots may be multiple, points may lie far outside, and the degree may be higher.")
 def knots_of_any_kind(seed):
     random = np.random.default_rng(seed + 7)
     t = line(random, 12)
     t[3:5] = t[5]
+    ends = np.repeat(t[5:8], (4, 1, 4))
     x = np.append(random.uniform(t[0] - 5, t[-1] + 5, 20), t)
     return (
         Call("b_splines", (t, 3, x), "a triple knot", exact=(0, 2)),
         Call("b_splines", (t, 5, x), "the degree 5", exact=(0, 2)),
         Call("b_splines", (t[5:8], 1, x), "one hat", exact=(0, 2)),
+        Call("b_splines", (ends, 3, np.append(x, ends)), "fourfold ends", exact=(0, 2)),
     )

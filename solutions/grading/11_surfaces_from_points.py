@@ -1,4 +1,4 @@
-"""What only a grader tries in notebook 11."""
+"""Hidden cases of notebook 11."""
 
 import numpy as np
 
@@ -35,7 +35,7 @@ def two_neighbours(seed):
     )
 
 
-@hidden("11.3", "Bodies may be several, and links few.")
+@hidden("11.3", "There may be several bodies.")
 def three_bodies(seed):
     random = np.random.default_rng(seed + 3)
     one, two, three = horseshoe(random, 50, 0.1), drop(random, 34), horseshoe(random, 46, 0.1)

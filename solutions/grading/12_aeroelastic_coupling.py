@@ -1,4 +1,4 @@
-"""What only a grader tries in notebook 12."""
+"""Hidden cases of notebook 12."""
 
 import numpy as np
 
@@ -7,20 +7,20 @@ from fieldcheck.questions.q12_aeroelastic_coupling import grid, section, transfe
 from fieldgrade.authoring.hidden_cases import hidden
 
 
-@hidden("12.1", "It must hold far outside of the structure, and for nodes in space.")
+@hidden("12.1", "It must hold far outside the structure, and for nodes in space.")
 def outside(seed):
     random = np.random.default_rng(seed + 1)
     return (
-        Call("weights", (grid(random, 3, 3), random.uniform(2, 4, (3, 2))), "places far outside"),
+        Call("weights", (grid(random, 3, 3), random.uniform(2, 4, (3, 2))), "points far outside"),
         Call(
             "weights",
             (grid(random, 2, 2, 3), random.uniform(-1, 2, (5, 3))),
-            "places about nodes in space",
+            "points around nodes in space",
         ),
     )
 
 
-@hidden("12.2", "A single force must do, and forces of one component.")
+@hidden("12.2", "It must hold for a single force, and for forces with one component.")
 def one_force(seed):
     random = np.random.default_rng(seed + 2)
     return (
@@ -64,7 +64,7 @@ def at_nodes(seed):
         Call(
             "slopes",
             (nodes, np.vstack([nodes[[2, 5]], [[3.0, -2.0]]])),
-            "two nodes and a place outside",
+            "two nodes and a point outside",
         ),
     )
 

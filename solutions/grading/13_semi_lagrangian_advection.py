@@ -1,4 +1,4 @@
-"""What only a grader tries in notebook 13."""
+"""Hidden cases of notebook 13."""
 
 import numpy as np
 
@@ -8,32 +8,32 @@ from fieldgrade.authoring.hidden_cases import hidden
 
 
 def other_steps(name, seed):
-    """Return a single place, a step forward, and a long step."""
+    """Return a single point, a step forward, and a long step."""
     random = np.random.default_rng(seed)
     x, t = in_disc(random, 5), random.uniform(0.5, 1)
     return (
-        Call(name, (x[:1], t, 0.1, 1), "a single place"),
+        Call(name, (x[:1], t, 0.1, 1), "a single point"),
         Call(name, (x, t, -0.07, 2), "a step forward in time"),
         Call(name, (x, 0.0, 0.4, 0), "a long step"),
     )
 
 
-@hidden("13.1", "It must hold for a single place, for steps of either sign, and for long ones.")
+@hidden("13.1", "It must hold for a single point, for steps of either sign, and for long ones.")
 def other_steps_of_euler(seed):
     return other_steps("euler", seed + 1)
 
 
-@hidden("13.2", "It must hold for a single place, for steps of either sign, and for long ones.")
+@hidden("13.2", "It must hold for a single point, for steps of either sign, and for long ones.")
 def other_steps_of_the_midpoint(seed):
     return other_steps("midpoint", seed + 2)
 
 
-@hidden("13.3", "It must hold for a single place, for steps of either sign, and for long ones.")
+@hidden("13.3", "It must hold for a single point, for steps of either sign, and for long ones.")
 def other_steps_of_runge_and_kutta(seed):
     return other_steps("rk4", seed + 3)
 
 
-@hidden("13.5", "It must hold in space, and for feet outside of the sites.")
+@hidden("13.5", "It must hold in space, and for feet outside the sites.")
 def in_space(seed):
     random = np.random.default_rng(seed + 4)
     sites = np.indices((3, 3, 2)).reshape(3, -1).T + random.uniform(-0.2, 0.2, (18, 3))
@@ -42,12 +42,12 @@ def in_space(seed):
         Call(
             "step_matrix",
             (in_square(random, 4), random.uniform(1, 1.3, (3, 2)), 7),
-            "feet outside of the sites",
+            "feet outside the sites",
         ),
     )
 
 
-@hidden("13.6", "It must hold for any number of steps, none as well.")
+@hidden("13.6", "It must hold for any number of steps, including none.")
 def longer_and_shorter(seed):
     random = np.random.default_rng(seed + 5)
     sites = in_disc(random, 20)
@@ -57,14 +57,14 @@ def longer_and_shorter(seed):
     )
 
 
-@hidden("13.8", "It must hold for a single foot, and for feet outside of the sites.")
+@hidden("13.8", "It must hold for a single foot, and for feet outside the sites.")
 def outside(seed):
     random = np.random.default_rng(seed + 6)
     return (
         Call(
             "bounds",
             (in_disc(random, 15), random.normal(size=15), np.array([[1.5, -1.2]])),
-            "a foot outside of the sites",
+            "a foot outside the sites",
         ),
     )
 
@@ -85,7 +85,7 @@ def at_the_bounds(seed):
     )
 
 
-@hidden("13.11", "It must hold for any number of rounds, none as well.")
+@hidden("13.11", "It must hold for any number of rounds, including none.")
 def more_rounds(seed):
     random = np.random.default_rng(seed + 8)
     x = np.arange(7)[:, None] / 3 - 1 + random.uniform(-0.05, 0.05, (7, 1))

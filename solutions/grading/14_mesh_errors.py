@@ -1,4 +1,4 @@
-"""What only a grader tries in notebook 14."""
+"""Hidden cases of notebook 14."""
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from fieldcheck.questions.q14_mesh_places import copies
 from fieldgrade.authoring.hidden_cases import hidden
 
 
-@hidden("14.1", "It must hold in the plane as well, and for one point.")
+@hidden("14.1", "It must hold in the plane, and for a single point.")
 def in_the_plane(seed):
     random = np.random.default_rng(seed + 1)
     flat = copies(random, 16, 0.01)[:, :2]
@@ -29,7 +29,7 @@ def in_the_plane(seed):
     )
 
 
-@hidden("14.2", "A mesh may have few triangles, and large numbers.")
+@hidden("14.2", "A mesh may have few triangles, and large vertex numbers.")
 def few_and_far(seed):
     random = np.random.default_rng(seed + 2)
     crowd = joined(book(4), ring(3, 3), without(ball(2, 4), 1))
@@ -73,7 +73,7 @@ def open_and_closed(seed):
     return (Call("fans", (len(points), triangles), "four surfaces at one vertex"),)
 
 
-@hidden("14.6", "There may be several parts, with one side and with two.")
+@hidden("14.6", "There may be several parts, orientable and not.")
 def bands(seed):
     random = np.random.default_rng(seed + 6)
     surface = flipped(random, joined(band(2, 5), band(3, 5), ring(3, 4), band(1, 4)))
@@ -95,7 +95,7 @@ def in_nanometres(seed):
     )
 
 
-@hidden("14.8", "Lines and triangles may be any.")
+@hidden("14.8", "It must hold for any segments and triangles.")
 def at_random(seed):
     random = np.random.default_rng(seed + 8)
     start, end = random.normal(size=(2, 40, 3))

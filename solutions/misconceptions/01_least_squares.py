@@ -1,4 +1,4 @@
-"""What students write instead of notebook 01, and what each of them should hear."""
+"""Wrong answers to notebook 01, each with the sentence for the student."""
 
 import numpy as np
 
@@ -11,16 +11,16 @@ def basis(points):
 
 @answers("01.1")
 def no_constant(points):
-    """The constant is missing. Without a column for c₀ every field would have to vanish at the
-    origin. Look at b(x) in (1.1): how many entries does it have?
+    """The column of ones is missing. Without it every field would be zero at the origin. How many
+    entries has b(x) in (1.1)?
     """
     return points.copy()
 
 
 @answers("01.1")
 def constant_last(points):
-    """The columns are there, but the constant stands last. Then the first number of c is a slope,
-    and everything that takes c₀ for the constant goes wrong. Compare the order of b(x) in (1.1).
+    """The columns are right, but the column of ones stands last. Then the first coefficient is a
+    slope, and functions that use c₀ as the constant are wrong. Compare the order of b(x) in (1.1).
     """
     return np.append(points, np.ones((len(points), 1)), axis=1)
 
@@ -33,16 +33,16 @@ def points_in_columns(points):
 
 @answers("01.1")
 def zeros_for_ones(points):
-    """The first column is zero, so c₀ is multiplied by nothing and no value could tell it. Which
-    function must the first coefficient be multiplied by in (1.1)?
+    """The first column is zero, so c₀ has no effect on the field. By which function is c₀
+    multiplied in (1.1)?
     """
     return np.insert(points, 0, 0.0, axis=1)
 
 
 @answers("01.2")
 def right_side_not_projected(points, values):
-    """The left side is that of the normal equations and the right side is not: only the first
-    D + 1 values are used. Both sides of (1.4) are multiplied by the same matrix.
+    """The left-hand side belongs to the normal equations, but the right-hand side contains only the
+    first D + 1 values. In (1.4) both sides are multiplied by the same matrix.
     """
     b = basis(points)
     return np.linalg.solve(b.T @ b, values[: b.shape[1]])
@@ -50,8 +50,8 @@ def right_side_not_projected(points, values):
 
 @answers("01.2")
 def through_the_first_points(points, values):
-    """This plane goes through the first D + 1 points and ignores all others. Least squares uses
-    every value. Which system has as many equations as unknowns, however many points there are?
+    """This plane passes through the first D + 1 points and ignores all other values. Least squares
+    uses every value. Which system has as many equations as unknowns for any number of points?
     """
     b = basis(points)[: points.shape[1] + 1]
     return np.linalg.solve(b, values[: len(b)])
@@ -59,24 +59,24 @@ def through_the_first_points(points, values):
 
 @answers("01.2")
 def slopes_first(points, values):
-    """The numbers are the right ones in another order: the constant is last. In (1.1) the
-    coefficients are c₀ for the constant, then one for each coordinate.
+    """The numbers are right, but the constant stands last. In (1.1) the first coefficient is the
+    constant c₀, and one slope for each coordinate follows.
     """
     return np.roll(np.linalg.lstsq(basis(points), values)[0], -1)
 
 
 @answers("01.2")
 def no_constant_fitted(points, values):
-    """The plane is forced through the origin: the fit was made without a constant. A field need not
-    vanish at the origin. Is the first column of your matrix in use?
+    """The plane was fitted without a constant, so it passes through zero at the origin. Does your
+    matrix have the column of ones?
     """
     return np.insert(np.linalg.lstsq(points, values)[0], 0, 0.0)
 
 
 @answers("01.2")
 def mean_and_slopes(points, values):
-    """The slopes are right, the constant is not: it is the mean of the values, which the plane has
-    at the mean of the points, and c₀ is its value at the origin.
+    """The slopes are right. The constant is the mean of the values, which the plane has at the mean
+    of the points. But c₀ is the value at the origin.
     """
     c = np.linalg.lstsq(basis(points), values)[0]
     return np.insert(c[1:], 0, values.mean())
@@ -84,13 +84,15 @@ def mean_and_slopes(points, values):
 
 @answers("01.3")
 def slopes_only(coefficients, x):
-    """The constant c₀ is left out, so the whole field is shifted. It belongs to b(x) as well."""
+    """The constant c₀ is missing, so the whole field is shifted. By (1.1) the first entry of b(x)
+    is 1.
+    """
     return x @ coefficients[1:]
 
 
 @answers("01.3")
 def constant_subtracted(coefficients, x):
-    """The constant c₀ enters with the wrong sign: the field is shifted by twice its value. What
+    """The constant c₀ has the wrong sign, so the field is shifted by twice its value. Which value
     does (1.1) give at the origin?
     """
     return x @ coefficients[1:] - coefficients[0]
@@ -98,97 +100,185 @@ def constant_subtracted(coefficients, x):
 
 @answers("01.3")
 def constant_taken_last(coefficients, x):
-    """The last coefficient is taken for the constant and the first for a slope. By (1.1) the
-    constant is the first.
+    """The last coefficient is used as the constant, and the first one as a slope. By (1.1) the
+    constant comes first.
     """
     return x @ coefficients[:-1] + coefficients[-1]
 
 
 @answers("01.4")
 def counted(points):
-    """This counts points and coefficients. It is right only for points in general position: many
-    points on one line determine no plane. Which of your cases has points like that?
+    """This is the smaller of the numbers of points and coefficients. It is the rank only for points
+    in general position. What is the rank for many points on one line?
     """
     return min(len(points), points.shape[1] + 1)
 
 
 @answers("01.4")
 def rank_of_the_points(points):
-    """This is the rank of the array of points, which knows nothing of the constant and changes when
-    all points move together. Asked for is the rank of B.
+    """This is the rank of the array of points. It ignores the column of ones, and it changes when
+    all points are translated. The question asks for the rank of B.
     """
     return np.linalg.matrix_rank(points)
 
 
 @answers("01.4")
 def dimension(points):
-    """This is the dimension of the flat through the points, one less than the rank of B: a single
-    point has dimension 0, and still determines one coefficient.
+    """This is the dimension of the affine hull of the points, which is the rank of B minus one. A
+    single point has dimension 0 and still determines one coefficient.
     """
-    return np.linalg.matrix_rank(points - points[0], tol=1e-9)
+    return np.linalg.matrix_rank(points - points[0], tol=1e-9 * np.ptp(points, axis=0).max())
 
 
 @answers("01.4")
 def full_or_nothing(points):
-    """This says whether the rank is full, as one or zero; asked for is the rank itself. How many
-    coefficients do points on one line determine?
+    """The function returns 1 if the rank is full, else 0. The question asks for the rank itself.
+    How many coefficients do points on one line determine?
     """
-    return int(
-        np.linalg.matrix_rank(basis(points - points.mean(axis=0)), tol=1e-9) == points.shape[1] + 1
+    extent = np.ptp(points, axis=0).max()
+    centered = points - points.mean(axis=0)
+    return int(np.linalg.matrix_rank(centered, tol=1e-9 * extent) == points.shape[1])
+
+
+@answers("01.4")
+def not_centred(points):
+    """The result depends on the distance of the points from the origin. At a distance of ten
+    million, the columns of B are nearly multiples of the first one. Which translation of the points
+    avoids this?
+    """
+    return np.linalg.matrix_rank(basis(points))
+
+
+@answers("01.4")
+def rounding_counted(points):
+    """Rounding errors in points far from the origin are counted as a direction. Is the mean of each
+    coordinate subtracted, and is `tol` relative to the extent of the points?
+    """
+    return np.linalg.matrix_rank(basis(points - points.mean(axis=0)))
+
+
+@answers("01.4", named=False)
+def not_centred_with_a_tolerance(points):
+    """The points are not centred, and the tolerance hangs on the unit."""
+    return np.linalg.matrix_rank(basis(points), tol=1e-6)
+
+
+@answers("01.4", named=False)
+def scaled_without_a_tolerance(points):
+    """Deviations of 10⁻¹² from a line count as a direction."""
+    return np.linalg.matrix_rank(basis(points / np.abs(points).max()))
+
+
+@answers("01.4", named=False)
+def normal_equations(points):
+    """The product squares the singular values."""
+    return np.linalg.matrix_rank(basis(points).T @ basis(points))
+
+
+@answers("01.4", named=False)
+def rank_of_the_covariance(points):
+    """The covariance squares the singular values, so widths below 10⁻⁸ count as zero."""
+    return 1 + np.linalg.matrix_rank(np.cov(points.T))
+
+
+@answers("01.4", named=False)
+def relative_to_the_largest_singular_value(points):
+    """A tolerance of a millionth is much coarser than the one of the text."""
+    s = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return 1 + np.sum(s > 1e-6 * s[0])
+
+
+@answers("01.4", named=False)
+def centred_by_one_mean(points):
+    """One mean of all coordinates leaves the points far from the origin."""
+    b = basis(points - points.mean())
+    return np.linalg.matrix_rank(b, tol=1e-9 * np.ptp(points, axis=0).max())
+
+
+@answers("01.4", named=False)
+def gram_matrix_with_a_tolerance(points):
+    """The product squares the singular values, but not the tolerance."""
+    moved = points - points.mean(axis=0)
+    return 1 + np.linalg.matrix_rank(moved.T @ moved, tol=1e-9 * np.ptp(points, axis=0).max())
+
+
+@answers("01.4", named=False)
+def coarse_tolerance(points):
+    """With this tolerance thin clouds lose a direction."""
+    return np.linalg.matrix_rank(basis(points - points.mean(axis=0)), tol=1e-3)
+
+
+@answers("01.4", named=False)
+def very_coarse_tolerance(points):
+    """With this tolerance thin clouds lose a direction."""
+    return np.linalg.matrix_rank(basis(points - points.mean(axis=0)), tol=0.1)
+
+
+@answers("01.4", named=False)
+def fixed_tolerance(points):
+    """The tolerance is a length, and does not change with the unit."""
+    return 1 + np.linalg.matrix_rank(points - points.mean(axis=0), tol=1e-9)
+
+
+@answers("01.4", named=False)
+def always_one_more(points):
+    """The rank is too large by one, for all inputs."""
+    return 2 + np.linalg.matrix_rank(
+        points - points.mean(axis=0), tol=1e-9 * np.ptp(points, axis=0).max()
     )
 
 
 @answers("01.5")
 def all_coefficients(coefficients, x):
-    """The constant is among the derivatives. Differentiating (1.1) by x₁ … x_D makes it vanish: one
-    entry for each coordinate is left.
+    """The constant c₀ is among the derivatives. The gradient of (1.1) has one entry for each
+    coordinate, and the derivative of a constant is zero.
     """
     return np.tile(coefficients, (len(x), 1))
 
 
 @answers("01.5")
 def times_the_place(coefficients, x):
-    """These are the terms c_k x_k of the field, not their derivatives. How does c_k x_k change when
-    x_k grows by one?
+    """These are the terms c_k x_k of the field, not their derivatives. How much does c_k x_k change
+    when x_k grows by 1?
     """
     return coefficients[1:] * x
 
 
 @answers("01.5")
 def last_slopes_dropped(coefficients, x):
-    """The coefficients have slipped by one: the constant stands where the slope along the first
-    coordinate belongs.
+    """The coefficients are shifted by one position: the constant stands where the first slope
+    belongs.
     """
     return np.tile(coefficients[:-1], (len(x), 1))
 
 
 @answers("01.6")
 def without_the_half(points, values, coefficients):
-    """The factor ½ is missing. It does not move the minimum, but it makes the gradient of ψ simple,
-    and the number that (1.3) defines has it.
+    """The factor ½ of (1.3) is missing. The minimum is at the same point without it, but the value
+    is twice ψ.
     """
     return np.sum((basis(points) @ coefficients - values) ** 2)
 
 
 @answers("01.6")
 def mean_instead_of_sum(points, values, coefficients):
-    """This is a mean of squares: it has been divided by the number of points. ψ of (1.3) is half of
-    their sum, and grows when points are added.
+    """This is a mean of squares: the sum was divided by the number of points. ψ of (1.3) is half of
+    the sum.
     """
     return 0.5 * np.mean((basis(points) @ coefficients - values) ** 2)
 
 
 @answers("01.6")
 def not_squared(points, values, coefficients):
-    """This is half of the length of the residual. In (1.3) the length is squared, which is what
-    makes the equations for c linear.
+    """This is half of the norm of the residual. In (1.3) the norm is squared, so that the gradient
+    is linear in c.
     """
     return 0.5 * np.linalg.norm(basis(points) @ coefficients - values)
 
 
 @answers("01.6")
 def of_the_values(points, values, coefficients):
-    """This measures the fitted values and not how far they are from the data. Which difference
-    stands between the bars in (1.3)?
+    """This is half the sum of the squared fitted values. In (1.3) the values V are subtracted
+    before the norm is taken.
     """
     return 0.5 * np.sum((basis(points) @ coefficients) ** 2)

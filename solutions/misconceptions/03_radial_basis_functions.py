@@ -1,4 +1,4 @@
-"""What students write instead of notebook 03, and what each of them should hear."""
+"""Wrong answers to notebook 03, each with the sentence for the student."""
 
 import numpy as np
 
@@ -34,10 +34,36 @@ def solved(a, b, values):
 # 03.1 The kernel
 
 
+def all_coordinates_differ(y):
+    s = squares(y)
+    k = (y != 0).all(axis=-1)
+    out = np.zeros(s.shape)
+    out[k] = s[k] * np.log(s[k])
+    return out
+
+
+@answers("03.1", named=False)
+def zero_where_one_coordinate_is_zero(y):
+    """A vector with one zero coordinate is not the zero vector."""
+    return all_coordinates_differ(y)
+
+
+@answers("03.1", named=False)
+def zero_for_short_vectors(y):
+    """A short vector is not the zero vector: the kernel is small there, and not zero."""
+    return np.where(squares(y) > 1e-6, w(y), 0)
+
+
+@answers("03.1", named=False)
+def zero_for_very_short_vectors(y):
+    """A short vector is not the zero vector, however short it is."""
+    return np.where(squares(y) > 1e-20, w(y), 0)
+
+
 @answers("03.1")
 def length_not_squared(y):
-    """This is r log r, with the length r where its square belongs. The kernel is another one then,
-    with a corner at the pin. Look at what stands twice in (3.1).
+    """This is r log r: the length stands where (3.1) has the squared length. This kernel has a
+    corner at the centre.
     """
     r = np.linalg.norm(y, axis=-1)
     return np.nan_to_num(r * np.log(r))
@@ -45,50 +71,47 @@ def length_not_squared(y):
 
 @answers("03.1")
 def logarithm_of_the_length(y):
-    """This is half of the kernel: r² log r. Books write it so, and the field would come out the
-    same, with λ twice as large; but in (3.1) the logarithm is taken of something else than the
-    length.
+    """This is half of the kernel: r² log r. Many books define it so, and λ is then twice as large.
+    In (3.1) the argument of the logarithm is the squared length.
     """
     return w(y) / 2
 
 
 @answers("03.1")
 def undefined_at_zero(y):
-    """For the vector zero this is zero times minus infinity, which is no number. One NaN in the
-    matrix, and there is one for each point, makes all coefficients NaN. What does (3.1) say of
-    zero?
+    """For the zero vector this is zero times minus infinity, which is NaN. Each diagonal entry of A
+    would be NaN, and so would all coefficients. Which value does (3.1) give at zero?
     """
     return squares(y) * np.log(squares(y))
 
 
 @answers("03.1")
 def a_little_added(y):
-    """A small number was added to keep the logarithm finite. It changes the kernel everywhere, and
-    moves the field off the data. The value at zero is known: it needs a case of its own.
+    """A small number was added inside the logarithm and outside. This changes the kernel
+    everywhere, so the field no longer interpolates. The value at zero is known: treat it
+    separately.
     """
     return (squares(y) + 1e-6) * np.log(squares(y) + 1e-6)
 
 
 @answers("03.1")
 def one_added(y):
-    """One was added in the logarithm, which makes it vanish at zero, and makes another kernel: this
-    one is never negative. Where does the thin-plate spline change its sign?
+    """The argument of the logarithm was increased by 1. This is another kernel, which is never
+    negative. For which lengths is (3.1) negative?
     """
     return squares(y) * np.log1p(squares(y))
 
 
 @answers("03.1")
 def common_logarithm(y):
-    """The logarithm is to base ten. In mathematics, and in (3.1), log is the natural one; the
-    derivative that you will need in 03.6 is simple for that one only.
-    """
+    """This is the logarithm to base ten. In (3.1) log is the natural logarithm."""
     return w(y) / np.log(10)
 
 
 @answers("03.1")
 def length_of_everything(y):
-    """All entries of the array are summed to one single number. Each vector has a value of its own:
-    the last axis holds its coordinates, the others count the vectors.
+    """The squares of all entries are added to one number. Each vector has its own value: the last
+    axis holds its coordinates, and the other axes count the vectors.
     """
     s = np.sum(y**2)
     return s * np.log(s)
@@ -96,8 +119,8 @@ def length_of_everything(y):
 
 @answers("03.1")
 def logarithm_alone(y):
-    """The factor in front of the logarithm is missing. What is left grows beyond bounds at the pin,
-    where the sheet of metal has a finite height.
+    """The factor in front of the logarithm in (3.1) is missing. The logarithm alone is unbounded
+    near the centre.
     """
     return np.log(np.where(squares(y) > 0, squares(y), 1))
 
@@ -105,10 +128,16 @@ def logarithm_alone(y):
 # 03.2 The matrix
 
 
+@answers("03.2", named=False)
+def kernel_zero_where_a_coordinate_is_shared(points):
+    """Two points that share one coordinate are not the same point."""
+    return bordered(all_coordinates_differ(offsets(points, points)), basis(points))
+
+
 @answers("03.2")
 def constraints_forgotten(points):
-    """The last rows are zero: the orthogonality constraints are missing. Such a matrix can never be
-    inverted. Which block of (3.5) holds (3.4)?
+    """The last rows are zero: the orthogonality constraints are missing. Such a matrix is always
+    singular. Which block of (3.5) contains (3.4)?
     """
     a, b = w(offsets(points, points)), basis(points)
     return np.hstack([np.vstack([a, 0 * b.T]), np.vstack([b, np.zeros((b.shape[1],) * 2)])])
@@ -116,24 +145,24 @@ def constraints_forgotten(points):
 
 @answers("03.2")
 def bumps_alone(points):
-    """This is the block A alone. Without the polynomial an affine field is not reproduced, and far
-    away the field grows without end. Look at the other blocks of (3.5).
+    """This is the block A alone. Without the affine part, affine fields are not reproduced. Look at
+    the other blocks of (3.5).
     """
     return w(offsets(points, points))
 
 
 @answers("03.2")
 def constant_forgotten(points):
-    """The block B has the coordinates and no column of ones. Then the polynomial vanishes at the
-    origin, and the field depends on where that is. How many entries has b(x) in (3.2)?
+    """The block B has the coordinates, but no column of ones. The affine part would then be zero at
+    the origin. How many entries has b(x) in (3.2)?
     """
     return bordered(w(offsets(points, points)), points)
 
 
 @answers("03.2")
 def polynomial_first(points):
-    """The blocks stand in another order: here the first unknowns are c and the last λ. That is a
-    system as good, but (3.5), and those who split its solution, have it the other way round.
+    """The blocks stand in another order: first the rows and columns of c, then those of λ. In (3.5)
+    λ comes first, and the functions below use this order.
     """
     b = basis(points)
     zero = np.zeros((b.shape[1],) * 2)
@@ -142,8 +171,8 @@ def polynomial_first(points):
 
 @answers("03.2")
 def constant_last(points):
-    """The column of ones stands after the coordinates. Then c₀ would be a slope, and the last
-    coefficient the constant. Compare the order in b(x) of (3.2).
+    """The column of ones stands after the coordinates. Then c₀ would be a slope. Compare the order
+    of b(x) in (3.2).
     """
     return bordered(
         w(offsets(points, points)), np.append(points, np.ones((len(points), 1)), axis=1)
@@ -152,17 +181,15 @@ def constant_last(points):
 
 @answers("03.2")
 def ones_on_the_diagonal(points):
-    """The diagonal of A is one. Many kernels have the value one at zero, which would make A
-    positive definite; what is w(0) for this one?
-    """
+    """The diagonal of A is 1. This is right for many kernels, but what is w(0) in (3.1)?"""
     a = w(offsets(points, points)) + np.eye(len(points))
     return bordered(a, basis(points))
 
 
 @answers("03.2")
 def identity_in_the_corner(points):
-    """The last block is an identity. It mixes c into the constraints, which then do not make the
-    sums of λ vanish. What multiplies c in (3.4)?
+    """The last block is an identity matrix, so the constraints contain c. By which factor is c
+    multiplied in (3.4)?
     """
     h = bordered(w(offsets(points, points)), basis(points))
     n = len(points)
@@ -172,8 +199,8 @@ def identity_in_the_corner(points):
 
 @answers("03.2")
 def undefined_on_the_diagonal(points):
-    """The diagonal of A is no number: it was computed as zero times minus infinity, and it makes
-    all coefficients NaN. What is the difference of a point and itself, and what is w of it?
+    """The diagonal of A is NaN: it was computed as zero times minus infinity. What is the
+    difference of a point and itself, and what is w there?
     """
     s = squares(offsets(points, points))
     return bordered(s * np.log(s), basis(points))
@@ -181,8 +208,8 @@ def undefined_on_the_diagonal(points):
 
 @answers("03.2")
 def distances_for_the_kernel(points):
-    """The block A holds the distances of the points and not the kernel of them. Each entry is w
-    of a difference of two points.
+    """The block A holds the distances of the points. Each entry must be the kernel w of a
+    difference of two points.
     """
     return bordered(np.sqrt(squares(offsets(points, points))), basis(points))
 
@@ -192,17 +219,16 @@ def distances_for_the_kernel(points):
 
 @answers("03.3")
 def constraints_left_out(points, values):
-    """Only A λ = φ was solved, and c set to zero. The field goes through the values, but the λ do
-    not satisfy (3.4), so an affine field is not reproduced and the field grows far away.
+    """Only A λ = φ was solved, and c was set to zero. The field interpolates, but λ does not
+    satisfy (3.4). So affine fields are not reproduced.
     """
     return np.linalg.solve(w(offsets(points, points)), values), np.zeros(points.shape[1] + 1)
 
 
 @answers("03.3")
 def plane_fitted_first(points, values):
-    """First a plane by least squares, then bumps for what it misses: this goes through the values,
-    but nothing makes the λ orthogonal to the polynomials, as (3.4) demands. λ and c are found
-    together, from one system.
+    """A plane was fitted first, and then kernels to its residuals. This field interpolates, but λ
+    does not satisfy (3.4). Compute λ and c together from (3.5).
     """
     b = basis(points)
     c = np.linalg.lstsq(b, values)[0]
@@ -211,25 +237,23 @@ def plane_fitted_first(points, values):
 
 @answers("03.3")
 def parts_exchanged(points, values):
-    """The two parts are right and in the wrong order: the first D + 1 numbers returned are c. Asked
-    for is λ first, one for each point.
-    """
+    """The two parts are right, but exchanged. Return λ first, then c."""
     lam, c = solved(w(offsets(points, points)), basis(points), values)
     return c, lam
 
 
 @answers("03.3")
 def in_one_piece(points, values):
-    """These are the right numbers in one array. Return two: the λ, one for each point, and c. An
-    array is cut by slices such as a[:k] and a[k:].
+    """These are the right numbers in one array. Return two arrays: λ with N entries, and c. Slices
+    such as a[:k] and a[k:] split an array.
     """
     return np.concatenate(solved(w(offsets(points, points)), basis(points), values))
 
 
 @answers("03.3")
 def zeros_first(points, values):
-    """The right side begins with the zeros. In (3.5) the first N rows are the values, and the zeros
-    belong to the constraints below them.
+    """The right-hand side begins with the zeros. In (3.5) the first N rows have the values, and the
+    rows of the constraints below have zeros.
     """
     h = bordered(w(offsets(points, points)), basis(points))
     q = points.shape[1] + 1
@@ -239,8 +263,8 @@ def zeros_first(points, values):
 
 @answers("03.3")
 def only_the_sum_constrained(points, values):
-    """The λ sum to zero, but weighted by coordinates they do not: the polynomial here is a constant
-    only. (3.4) is D + 1 equations, one for each entry of b.
+    """The sum of λ is zero, but the sums weighted by coordinates are not: the affine part is a
+    constant here. (3.4) has D + 1 equations, one for each entry of b.
     """
     lam, c = solved(w(offsets(points, points)), np.ones((len(points), 1)), values)
     return lam, np.append(c, np.zeros(points.shape[1]))
@@ -248,8 +272,8 @@ def only_the_sum_constrained(points, values):
 
 @answers("03.3")
 def for_half_of_the_kernel(points, values):
-    """The λ are twice as large as they should be: these belong to r² log r, which is half of w.
-    With that kernel they give the same field, but 03.4 multiplies them by the w of (3.1).
+    """The λ are twice as large as they must be. They belong to r² log r, which is half of w. But
+    03.4 multiplies them by the w of (3.1).
     """
     lam, c = solved(w(offsets(points, points)), basis(points), values)
     return 2 * lam, c
@@ -257,8 +281,8 @@ def for_half_of_the_kernel(points, values):
 
 @answers("03.3")
 def plane_alone(points, values):
-    """This is the plane of least squares, and no bumps at all. It misses the values; what has to be
-    found from (3.5) is a λ for each point as well.
+    """This is the plane of least squares, without kernels. It does not interpolate. (3.5) also
+    gives one λ for each point.
     """
     return np.zeros(len(points)), np.linalg.lstsq(basis(points), values)[0]
 
@@ -268,48 +292,44 @@ def plane_alone(points, values):
 
 @answers("03.4")
 def polynomial_forgotten(points, lam, c, x):
-    """The bumps are there and the affine part is not. Both belong to (3.2): without the plane the
-    field misses the values by what the plane contributes.
-    """
+    """The affine part is missing. Both parts of (3.2) are needed to interpolate the values."""
     return w(offsets(x, points)) @ lam
 
 
 @answers("03.4")
 def constant_left_out(points, lam, c, x):
-    """The constant c₀ is missing: the whole field is shifted. b(x) in (3.2) has a one as its first
-    entry.
+    """The constant c₀ is missing, so the whole field is shifted. The first entry of b(x) in (3.2)
+    is 1.
     """
     return x @ c[1:] + w(offsets(x, points)) @ lam
 
 
 @answers("03.4")
 def bumps_forgotten(points, lam, c, x):
-    """This is the affine part alone. Of the λ and the points nothing is used; where in (3.2) do
-    they stand?
+    """This is the affine part alone. Neither λ nor the centres are used. Where do they stand in
+    (3.2)?
     """
     return basis(x) @ c
 
 
 @answers("03.4")
 def factors_forgotten(points, lam, c, x):
-    """All bumps are added with the factor one. Each has a λ of its own, which is what makes the
-    field go through the values.
-    """
+    """All kernels are added with the factor 1. In (3.2) each of them has its own factor λ_j."""
     return basis(x) @ c + w(offsets(x, points)).sum(axis=1)
 
 
 @answers("03.4")
 def constant_taken_last(points, lam, c, x):
-    """The last coefficient is taken for the constant and the first for a slope. In (3.2) the
-    constant stands first.
+    """The last coefficient is used as the constant, and the first one as a slope. In (3.2) the
+    constant comes first.
     """
     return x @ c[:-1] + c[-1] + w(offsets(x, points)) @ lam
 
 
 @answers("03.4")
 def undefined_at_the_points(points, lam, c, x):
-    """At a point of the data the field is no number: the kernel was computed there as zero times
-    minus infinity. Does your line use the kernel that you wrote in 03.1?
+    """At a centre the field is NaN: the kernel was computed as zero times minus infinity. Do you
+    use the kernel of 03.1?
     """
     s = squares(offsets(x, points))
     return basis(x) @ c + (s * np.log(s)) @ lam
@@ -317,8 +337,8 @@ def undefined_at_the_points(points, lam, c, x):
 
 @answers("03.4")
 def half_of_the_kernel(points, lam, c, x):
-    """The bumps are half as high as they should be: the logarithm was taken of the length instead
-    of its square. The λ of 03.3 belong to the w of (3.1).
+    """The kernels have half of their value: the logarithm was taken of the length, not of its
+    square. The λ of 03.3 belong to the w of (3.1).
     """
     return basis(x) @ c + w(offsets(x, points)) @ lam / 2
 
@@ -328,43 +348,40 @@ def half_of_the_kernel(points, lam, c, x):
 
 @answers("03.5")
 def as_one_reads(points):
-    """All positive: that is the claim, not a count. The diagonal of the matrix is zero, so the
-    sum of its eigenvalues is zero too. Compute them, and look at their signs.
+    """All eigenvalues are reported as positive. But the diagonal of the matrix is zero, so the sum
+    of its eigenvalues is zero. Compute the eigenvalues and look at their signs.
     """
     return sum(points.shape) + 1, 0, 0
 
 
+def counted(h):
+    eigenvalues = np.linalg.eigvalsh(h)
+    relative = eigenvalues / np.abs(eigenvalues).max()
+    positive, negative = np.sum(relative > 1e-12), np.sum(relative < -1e-12)
+    return positive, negative, len(relative) - positive - negative
+
+
 @answers("03.5")
 def of_the_block(points):
-    """These are the signs of the eigenvalues of the block A alone. Asked for are those of the whole
-    matrix of (3.5): their numbers must add up to N + D + 1.
+    """These are the signs of the eigenvalues of the block A. The question asks for the whole matrix
+    of (3.5), so the three numbers must add up to N + D + 1.
     """
-    eigenvalues = np.linalg.eigvalsh(w(offsets(points, points)))
-    return (
-        np.sum(eigenvalues > 1e-9),
-        np.sum(eigenvalues < -1e-9),
-        np.sum(np.abs(eigenvalues) < 1e-9),
-    )
+    return counted(w(offsets(points, points)))
 
 
 @answers("03.5")
 def signs_exchanged(points):
-    """Positive and negative are exchanged. Is the order of the three numbers that which is asked
-    for?
+    """The numbers of positive and negative eigenvalues are exchanged. Return positive, negative,
+    zero.
     """
-    eigenvalues = np.linalg.eigvalsh(bordered(w(offsets(points, points)), basis(points)))
-    return (
-        np.sum(eigenvalues < -1e-9),
-        np.sum(eigenvalues > 1e-9),
-        np.sum(np.abs(eigenvalues) < 1e-9),
-    )
+    positive, negative, zero = counted(bordered(w(offsets(points, points)), basis(points)))
+    return negative, positive, zero
 
 
 @answers("03.5")
 def none_found_zero(points):
-    """No eigenvalue is counted as zero. Points on one line, or two at the same place, make one
-    zero, and then (3.5) has many solutions, or none. Computed, it is a tiny number of either
-    sign: was it compared with zero exactly?
+    """No eigenvalue is counted as zero. For points on one line, or two equal points, one eigenvalue
+    is zero. Rounding makes it a tiny number: was it compared with zero exactly?
     """
     n, d = points.shape
     return n, d + 1, 0
@@ -372,22 +389,57 @@ def none_found_zero(points):
 
 @answers("03.5")
 def all_zeros_taken_for_negative(points):
-    """An eigenvalue that should be zero was counted as negative. Whoever divides values into
-    positive ones and the rest does not see that the matrix is singular. Which size does rounding
-    explain?
+    """A zero eigenvalue was counted as negative. Is every eigenvalue that is not positive counted
+    as negative? Compare its absolute value with the tolerance of the text first.
     """
-    eigenvalues = np.linalg.eigvalsh(bordered(w(offsets(points, points)), basis(points)))
-    positive = np.sum(eigenvalues > 1e-9)
-    return positive, len(eigenvalues) - positive, 0
+    positive, negative, zero = counted(bordered(w(offsets(points, points)), basis(points)))
+    return positive, negative + zero, 0
 
 
 @answers("03.5")
 def two_numbers(points):
-    """These are two numbers. Asked for are three: positive, negative, zero. The third tells whether
-    the system can be solved.
+    """These are two numbers. The question asks for three: positive, negative, zero. The third one
+    shows whether the system has a unique solution.
     """
+    return counted(bordered(w(offsets(points, points)), basis(points)))[:2]
+
+
+def by_size(points, tolerance):
     eigenvalues = np.linalg.eigvalsh(bordered(w(offsets(points, points)), basis(points)))
-    return np.sum(eigenvalues > 1e-9), np.sum(eigenvalues < -1e-9)
+    positive, negative = np.sum(eigenvalues > tolerance), np.sum(eigenvalues < -tolerance)
+    return positive, negative, len(eigenvalues) - positive - negative
+
+
+@answers("03.5", named=False)
+def absolute_tolerance(points):
+    """The tolerance is not relative to the largest eigenvalue."""
+    return by_size(points, 1e-10)
+
+
+@answers("03.5", named=False)
+def absolute_tolerance_of_isclose(points):
+    """The default of isclose is an absolute tolerance of 10⁻⁸ for zero."""
+    return by_size(points, 1e-8)
+
+
+@answers("03.5", named=False)
+def absolute_tolerance_of_a_millionth(points):
+    """The tolerance is not relative to the largest eigenvalue."""
+    return by_size(points, 1e-6)
+
+
+@answers("03.5", named=False)
+def absolute_tolerance_of_a_thousandth(points):
+    """The tolerance is not relative to the largest eigenvalue."""
+    return by_size(points, 1e-3)
+
+
+@answers("03.5", named=False)
+def rounded_to_ten_decimals(points):
+    """Rounding to decimals is an absolute tolerance, too."""
+    eigenvalues = np.linalg.eigvalsh(bordered(w(offsets(points, points)), basis(points)))
+    signs = np.sign(np.round(eigenvalues, 10))
+    return np.sum(signs > 0), np.sum(signs < 0), np.sum(signs == 0)
 
 
 # 03.6 The gradient
@@ -403,8 +455,8 @@ def logarithm(y):
 
 @answers("03.6")
 def logarithm_not_differentiated(points, lam, c, x):
-    """The square was differentiated and the logarithm was not. By the product rule each of the two
-    factors of w is differentiated once: there are two terms.
+    """The square was differentiated, but the logarithm was not. By the product rule there are two
+    terms.
     """
     y = offsets(x, points)
     return summed(2 * logarithm(y), lam, c, y)
@@ -412,8 +464,8 @@ def logarithm_not_differentiated(points, lam, c, x):
 
 @answers("03.6")
 def square_not_differentiated(points, lam, c, x):
-    """The logarithm was differentiated and the square in front of it was not: one of the two
-    terms of the product rule is missing, the one that has a logarithm.
+    """The logarithm was differentiated, but the square was not. By the product rule there are two
+    terms, and one of them contains a logarithm.
     """
     y = offsets(x, points)
     return summed(2 * np.ones(y.shape[:2]), lam, c, y)
@@ -421,8 +473,8 @@ def square_not_differentiated(points, lam, c, x):
 
 @answers("03.6")
 def inner_two_forgotten(points, lam, c, x):
-    """The bumps contribute half of what they should: a factor 2 is missing, from the derivative of
-    the squared length by a coordinate.
+    """The kernels contribute half of what they must. The factor 2 from the derivative of the
+    squared length is missing.
     """
     y = offsets(x, points)
     return summed(1 + logarithm(y), lam, c, y)
@@ -430,16 +482,16 @@ def inner_two_forgotten(points, lam, c, x):
 
 @answers("03.6")
 def chain_rule_forgotten(points, lam, c, x):
-    """This is the derivative of w by the squared length, the same for all coordinates. The gradient
-    has a direction: multiply by the derivative of the squared length by each coordinate.
+    """This is the derivative of w by the squared length, the same for all coordinates. Multiply it
+    by the derivative of the squared length by each coordinate.
     """
     return c[1:] + ((1 + logarithm(offsets(x, points))) @ lam)[:, None]
 
 
 @answers("03.6")
 def logarithm_of_the_length_itself(points, lam, c, x):
-    """The logarithm in your gradient is that of the length, and in (3.1) it is that of the squared
-    length. One is half of the other.
+    """Your gradient contains the logarithm of the length. (3.1) contains the logarithm of the
+    squared length, which is twice as large.
     """
     y = offsets(x, points)
     return summed(2 * (1 + logarithm(y) / 2), lam, c, y)
@@ -447,15 +499,15 @@ def logarithm_of_the_length_itself(points, lam, c, x):
 
 @answers("03.6")
 def slopes_forgotten(points, lam, c, x):
-    """The bumps are differentiated and the affine part is left out. What is its gradient?"""
+    """The kernels are differentiated, but the affine part is missing. What is its gradient?"""
     y = offsets(x, points)
     return summed(2 * (1 + logarithm(y)), lam, 0 * c, y)
 
 
 @answers("03.6")
 def pointing_to_the_pins(points, lam, c, x):
-    """The bumps push the wrong way: y points from the place to the data point. In (3.6) w is
-    taken of x - p, and its gradient by x keeps that sign.
+    """The kernels have the wrong sign: y is the centre minus x. In (3.6) the argument of ∇w is x −
+    p.
     """
     y = offsets(x, points)
     return summed(-2 * (1 + logarithm(y)), lam, c, y)
@@ -463,8 +515,8 @@ def pointing_to_the_pins(points, lam, c, x):
 
 @answers("03.6")
 def undefined_at_the_pins(points, lam, c, x):
-    """At a point of the data this is zero times minus infinity, no number. The limit of the product
-    exists: y tends to zero faster than the logarithm grows. That bump contributes nothing there.
+    """At a centre this is zero times minus infinity, which is NaN. The limit exists: y tends to
+    zero faster than the logarithm grows. So this kernel contributes zero there.
     """
     y = offsets(x, points)
     return summed(2 * (1 + np.log(squares(y))), lam, c, y)
@@ -472,7 +524,7 @@ def undefined_at_the_pins(points, lam, c, x):
 
 @answers("03.6")
 def coefficients_slipped(points, lam, c, x):
-    """The first D coefficients are taken for the slopes. The first of them is the constant, whose
+    """The first D coefficients are used as the slopes. The first coefficient is the constant, whose
     derivative is zero.
     """
     y = offsets(x, points)
@@ -484,32 +536,39 @@ def coefficients_slipped(points, lam, c, x):
 
 @answers("03.7")
 def factor_forgotten(points, values):
-    """This is the quadratic form without the factor in front, which the integral in (3.7) has."""
+    """This is the quadratic form without the factor 16π of (3.7)."""
     lam, _ = solved(w(offsets(points, points)), basis(points), values)
     return lam @ w(offsets(points, points)) @ lam
 
 
 @answers("03.7")
 def factor_of_the_half_kernel(points, values):
-    """This is half of the energy. The factor 8π belongs to the kernel r² log r; with the w of (3.1)
-    there is another one.
+    """This is half of the energy. Is the factor that of (3.7)? Does the sum contain each pair of
+    points twice, as (i, j) and as (j, i)?
     """
     lam, _ = solved(w(offsets(points, points)), basis(points), values)
     return 8 * np.pi * lam @ w(offsets(points, points)) @ lam
 
 
+@answers("03.7", named=False)
+def each_pair_once_with_the_factor_of_the_half_kernel(points, values):
+    """Each pair of points is counted once, and the factor is too small, too."""
+    lam, _ = solved(w(offsets(points, points)), basis(points), values)
+    return 8 * np.pi * lam @ np.triu(w(offsets(points, points))) @ lam
+
+
 @answers("03.7")
 def form_of_the_values(points, values):
-    """The values were put into the quadratic form. It is that of the coefficients: by (3.7) the
-    energy is that of λ, and an affine field, whose values are not zero, has none.
+    """The values were inserted into the quadratic form. In (3.7) it is the quadratic form of λ. An
+    affine field has no energy, although its values are not zero.
     """
     return 16 * np.pi * values @ w(offsets(points, points)) @ values
 
 
 @answers("03.7")
 def squares_of_the_coefficients(points, values):
-    """This is the sum of the squares of λ. Bumps that are close together bend the sheet jointly:
-    the matrix A between the two vectors tells how.
+    """This is 16π times the sum of the squares of λ. In (3.7) the matrix A stands between the two
+    vectors.
     """
     lam, _ = solved(w(offsets(points, points)), basis(points), values)
     return 16 * np.pi * lam @ lam
@@ -517,8 +576,8 @@ def squares_of_the_coefficients(points, values):
 
 @answers("03.7")
 def without_constraints(points, values):
-    """Here λ was found from A λ = φ alone. Without the constraints the integral is infinite, and
-    this number, which may even be negative, is no energy.
+    """Here λ was computed from A λ = φ alone. Without the constraints the integral of (3.7) is
+    infinite.
     """
     a = w(offsets(points, points))
     return 16 * np.pi * values @ np.linalg.solve(a, values)
@@ -526,8 +585,8 @@ def without_constraints(points, values):
 
 @answers("03.7")
 def root_of_it(points, values):
-    """This is the square root of the energy. Three times the values have nine times the energy, and
-    yours only three times.
+    """This is the square root of the energy. The energy of three times the values must be nine
+    times as large.
     """
     lam, _ = solved(w(offsets(points, points)), basis(points), values)
     return np.sqrt(np.abs(16 * np.pi * lam @ w(offsets(points, points)) @ lam))

@@ -1,4 +1,4 @@
-"""What students write instead of notebook 04, and what each of them should hear."""
+"""Wrong answers to notebook 04, each with the sentence for the student."""
 
 import numpy as np
 
@@ -41,8 +41,7 @@ def singular_values(matrix):
 @answers("04.1")
 def components_apart(points, normals):
     """The columns stand in another order: all coefficients of the first component of u, then all of
-    the second. The matrix is as good, but c has the order of (4.3), and everything after this
-    question reads it so: the normal itself stands first, then the normal times x, and so on.
+    the second. In (4.3) the normal comes first, then x times the normal, and so on.
     """
     b = basis(points)
     return np.hstack([normals[:, [k]] * b for k in range(points.shape[1])])
@@ -50,16 +49,16 @@ def components_apart(points, normals):
 
 @answers("04.1")
 def normals_not_applied(points, normals):
-    """The normals are not used: this is the system for velocities that are known with all their
-    components, and has D times as many rows. Known is one number for each sample, n · u.
+    """The normals are not used. This is the system for velocities with all components known, and it
+    has D times as many rows. Each sample gives one number, n · u.
     """
     return np.kron(basis(points), np.eye(points.shape[1]))
 
 
 @answers("04.1")
 def tangents_for_normals(points, normals):
-    """The rows hold the directions of the edges and not their normals: this is a system for what
-    flows along the edges. Measured is what flows across, n · u.
+    """The rows hold the directions of the edges instead of their normals. The measurements are the
+    components across the edges, n · u.
     """
     along = normals.copy()
     along[:, 0], along[:, 1] = -normals[:, 1], normals[:, 0]
@@ -68,7 +67,7 @@ def tangents_for_normals(points, normals):
 
 @answers("04.1")
 def constant_forgotten(points, normals):
-    """The first block is missing: the flow is forced to vanish at the origin. What multiplies c₀ in
+    """The first block is missing, so the flow would be zero at the origin. Which factor has c₀ in
     the equation n · u(p) = v?
     """
     return rows(points, normals)[:, points.shape[1] :]
@@ -76,24 +75,24 @@ def constant_forgotten(points, normals):
 
 @answers("04.1")
 def points_and_normals_exchanged(points, normals):
-    """Points and normals have changed places: rows of p, then p times the components of n. In (4.3)
-    the normal is in each block, and the coordinates of the point multiply it.
+    """Points and normals are exchanged: the rows hold p, then p times the components of n. In (4.3)
+    each block holds the normal, multiplied by a coordinate of the point.
     """
     return rows(normals, points)
 
 
 @answers("04.1")
 def each_component_with_its_own(points, normals):
-    """The arrays were multiplied entry by entry, so that x meets only the first component of n
-    and y only the second. In a block of (4.3) one coordinate multiplies the whole normal.
+    """The arrays were multiplied entry by entry, so x multiplies only the first component of n, and
+    y only the second. In each block of (4.3) one coordinate multiplies the whole normal.
     """
     return np.hstack([normals, points * normals])
 
 
 @answers("04.1")
 def normals_made_unit(points, normals):
-    """The rows were scaled as if the normals had to have the length one. Where they have not, v is
-    measured along the vector as it is given, and its row must be scaled as v is: not at all.
+    """The normals were scaled to length one. Each row must use the vector as it is given, since v
+    is its scalar product with u.
     """
     return rows(points, normals / np.sqrt(np.sum(normals**2, axis=1))[:, None])
 
@@ -103,8 +102,8 @@ def normals_made_unit(points, normals):
 
 @answers("04.2")
 def equations_counted(points, normals):
-    """This counts equations and unknowns. Rows may depend on each other: eight parallel normals are
-    eight equations, and the rank is three.
+    """This is the smaller of the numbers of equations and unknowns. Rows may depend on each other:
+    eight parallel normals give eight equations of rank three.
     """
     d = points.shape[1]
     return min(len(points), d + d * d)
@@ -112,42 +111,83 @@ def equations_counted(points, normals):
 
 @answers("04.2")
 def as_if_all_components_were_known(points, normals):
-    """This is D times the rank of the matrix of the points, and knows nothing of the normals. It is
-    the rank for velocities of which all components are measured.
+    """This is D times the rank of the matrix of the points, and the normals have no influence. It
+    is the rank for velocities with all components measured.
     """
     return points.shape[1] * np.linalg.matrix_rank(basis(local(points)), tol=1e-9)
 
 
 @answers("04.2")
 def zero_only_if_exactly(points, normals):
-    """Singular values were compared with zero exactly. Rounding makes those that should be zero
-    about 1e-16, and nearly every matrix has full rank then. From which size on is a value meant?
+    """Singular values were compared with zero exactly. Rounding makes zero singular values about
+    10⁻¹⁶. Which tolerance does the text give?
     """
     return np.sum(singular_values(rows(local(points), normals)) > 0)
 
 
 @answers("04.2")
 def tolerance_in_metres(points, normals):
-    """The tolerance is a fixed number, and the points are in whatever unit they come. For points
-    that are all very close together true singular values are below it. Bring the points to the
-    size one first.
+    """The tolerance depends on the unit of length: for points that are very close together,
+    singular values that are not zero fall below it. Scale the points to size one first.
     """
-    return np.linalg.matrix_rank(rows(points - points[0], normals), tol=1e-5)
+    return np.linalg.matrix_rank(rows(points - points.mean(axis=0), normals), tol=1e-9)
+
+
+def tolerance_of(points, normals, tolerance):
+    return np.linalg.matrix_rank(rows(local(points), normals), tol=tolerance)
+
+
+@answers("04.2", named=False)
+def default_tolerance(points, normals):
+    """The default tolerance counts normals within 10⁻¹² of meeting in a point as general."""
+    return np.linalg.matrix_rank(rows(local(points), normals))
+
+
+@answers("04.2", named=False)
+def coarse_tolerance(points, normals):
+    """Normals that nearly meet in a point lose a rank."""
+    return tolerance_of(points, normals, 0.1)
+
+
+@answers("04.2", named=False)
+def tolerance_of_a_hundredth(points, normals):
+    """Normals that nearly meet in a point lose a rank."""
+    return tolerance_of(points, normals, 1e-2)
+
+
+@answers("04.2", named=False)
+def tolerance_of_a_thousandth(points, normals):
+    """Normals that nearly meet in a point lose a rank."""
+    return tolerance_of(points, normals, 1e-3)
+
+
+@answers("04.2", named=False)
+def tolerance_relative_to_the_largest_column(points, normals):
+    """Without scaling the columns differ by the unit of length."""
+    s = singular_values(rows(points - points.mean(axis=0), normals))
+    return np.sum(s > 1e-9 * s[0])
+
+
+@answers("04.2", named=False)
+def coarser_tolerance_relative_to_the_largest_column(points, normals):
+    """Without scaling the columns differ by the unit of length."""
+    s = singular_values(rows(points - points.mean(axis=0), normals))
+    return np.sum(s > 1e-6 * s[0])
 
 
 @answers("04.2")
 def far_from_the_origin(points, normals):
-    """Far from the origin the columns of B' are nearly multiples of each other, and the rank
-    seems to be less than it is. What can be known does not depend on where the origin lies:
-    choose a good one.
+    """Far from the origin the columns of B' are nearly multiples of each other, and the computed
+    rank is too small. The rank does not depend on the origin. Subtract the mean of the points
+    first.
     """
     return np.linalg.matrix_rank(rows(points, normals))
 
 
 @answers("04.2")
 def whether_it_is_full(points, normals):
-    """This says whether the rank is full, as one or zero. Asked for is the rank itself: it tells
-    how many flows are lost.
+    """The function returns 1 if the rank is full, else 0. The question asks for the
+    rank itself.
     """
     d = points.shape[1]
     return int(np.linalg.matrix_rank(rows(local(points), normals), tol=1e-9) == d + d * d)
@@ -155,8 +195,8 @@ def whether_it_is_full(points, normals):
 
 @answers("04.2")
 def flows_lost(points, normals):
-    """This is the number of flows that no sample sees, the columns less the rank. Asked for is the
-    rank.
+    """This is the dimension of the null space: the number of columns minus the rank. The question
+    asks for the rank.
     """
     d = points.shape[1]
     return d + d * d - np.linalg.matrix_rank(rows(local(points), normals), tol=1e-9)
@@ -167,49 +207,48 @@ def flows_lost(points, normals):
 
 @answers("04.3")
 def best_seen(points, normals):
-    """This is the flow that the samples see best of all: it belongs to the largest singular value.
-    Which one belongs to a flow that gives zero everywhere?
+    """This is the singular vector of the largest singular value. Which singular value belongs to a
+    vector with B' c = 0?
     """
     return np.linalg.svd(rows(points, normals))[2][0]
 
 
 @answers("04.3")
 def column_for_row(points, normals):
-    """A column was taken where a row belongs. NumPy returns the last factor of the decomposition
-    already transposed: the vectors that the matrix acts on are its rows.
+    """A column was taken instead of a row. NumPy returns the last factor of the decomposition
+    transposed: the right singular vectors are its rows.
     """
     return np.linalg.svd(rows(points, normals))[2][:, -1]
 
 
 @answers("04.3")
 def solved_for_zero(points, normals):
-    """All coefficients are zero. That is a solution of B'c = 0, and the one that says nothing: a
-    solver of least squares returns the shortest. Asked for is another one.
+    """All coefficients are zero. This solves B' c = 0, but the question asks for another solution.
+    A least-squares solver returns the shortest one.
     """
     return np.linalg.lstsq(rows(points, normals), np.zeros(len(points)))[0]
 
 
 @answers("04.3")
 def reduced_decomposition(points, normals):
-    """For more samples this is right. Five have only five singular values, all above zero, and
-    the flow that is wanted is a sixth row, which belongs to none of them: a reduced decomposition
-    leaves it out, and the place of the smallest singular value does not lead to it.
+    """Five samples have only five singular values, none of them zero. The null vector is a sixth
+    row, which the reduced decomposition omits.
     """
     return np.linalg.svd(rows(points, normals), full_matrices=False)[2][-1]
 
 
 @answers("04.3")
 def across_all_edges(points, normals):
-    """This flow stands at right angles to the edges where it should run along them, as far as it
-    can: the rows were made of the edges and not of their normals.
+    """The rows were made of the edge directions instead of the normals. This flow is perpendicular
+    to the edges, as far as possible, where it must be tangent.
     """
     return np.linalg.svd(rows(points, turn(normals)))[2][-1]
 
 
 @answers("04.3")
 def in_the_other_order(points, normals):
-    """The six numbers are right and stand in another order: first those of one component, then
-    those of the other. c is (c₀, c₁, c₂), and each of the three has two components.
+    """The six numbers are right, but in another order: first those of one component, then those of
+    the other. c is (c₀, c₁, c₂), each with two components.
     """
     return np.linalg.svd(rows(points, normals))[2][-1].reshape(3, 2).T.ravel()
 
@@ -219,48 +258,46 @@ def in_the_other_order(points, normals):
 
 @answers("04.4")
 def along_the_flow(points, c):
-    """These are unit vectors along the flow. Then n · u is the speed, the largest value there is,
-    and the flow is seen best of all. A normal that hides it stands at a right angle.
+    """These are unit vectors along the flow. Then n · u is the speed, not zero. The normal must be
+    perpendicular to the flow.
     """
     return unit(flow_at(points, c))
 
 
 @answers("04.4")
 def not_of_length_one(points, c):
-    """The direction is right and the length is not: these are as long as the velocity is large.
-    Asked for are unit normals.
+    """The directions are right, but the lengths are the speeds. The question asks
+    for unit normals.
     """
     return turn(flow_at(points, c))
 
 
 @answers("04.4")
 def mirrored(points, c):
-    """The two components were exchanged, which is a reflection and no right angle: the product
-    with u is twice u₁u₂ and not zero. One sign is missing.
+    """The two components were exchanged, which is a reflection and not a rotation by 90 degrees.
+    The scalar product with u is 2 u₁u₂. One sign is missing.
     """
     return unit(flow_at(points, c)[:, ::-1])
 
 
 @answers("04.4")
 def without_the_constant(points, c):
-    """The velocity was computed without c₀. These normals hide another flow, with its centre at the
-    origin. Use `velocity`.
-    """
+    """The velocity was computed without c₀. Use `velocity`."""
     return unit(turn(points @ np.reshape(c, (3, 2))[1:] + 1e-300))
 
 
 @answers("04.4")
 def coefficients_by_component(points, c):
-    """The coefficients were read as three of one component and three of the other. By (4.1) c is
-    c₀, c₁, c₂, each with two components: `velocity` knows.
+    """The coefficients were read as three of one component and three of the other. By (4.1) they
+    are c₀, c₁, c₂, each with two components. Use `velocity`.
     """
     return unit(turn(basis(points) @ np.reshape(c, (2, 3)).T))
 
 
 @answers("04.4")
 def scaled_together(points, c):
-    """All normals were divided by one number, the size of the whole array. Each row has to have the
-    length one by itself: along which axis are the squares summed?
+    """All normals were divided by one number, the norm of the whole array. Each row must have
+    length one. Along which axis must the squares be added?
     """
     n = turn(flow_at(points, c))
     return n / np.linalg.norm(n)
@@ -275,17 +312,22 @@ def spans(points):
 
 @answers("04.5")
 def only_not_all_parallel(points, normals):
-    """This asks whether all normals are parallel. With two others it says yes, and yet the flow
-    along the many edges is measured at two places only, which is not enough for an affine
-    function.
+    """The result is whether not all normals are parallel. If all but two are parallel, the flow
+    along the many edges is measured at two points only. That is too few for an affine function.
     """
     return np.linalg.matrix_rank(normals, tol=1e-9) == 2
 
 
+@answers("04.5", named=False)
+def coarse_test_of_directions(points, normals):
+    """With this tolerance normals at a small angle count as parallel."""
+    return all(spans(points[np.abs(normals @ [-n[1], n[0]]) > 0.01]) for n in normals)
+
+
 @answers("04.5")
 def only_along_the_axes(points, normals):
-    """Only the directions of the axes were tried. A bad direction may be any: turn all samples by
-    45 degrees, and the answer should stay. Which directions leave a sample out?
+    """Bad directions are found only along the axes. If all samples are rotated, the answer must
+    stay the same. Are other directions tested, and is n · m compared with zero up to rounding?
     """
     return spans(points[np.abs(normals[:, 0]) > 1e-9]) and spans(
         points[np.abs(normals[:, 1]) > 1e-9]
@@ -294,16 +336,16 @@ def only_along_the_axes(points, normals):
 
 @answers("04.5")
 def three_are_enough(points, normals):
-    """For each direction it was counted whether three samples see it. Three points on a line do not
-    determine an affine function: they must span the plane.
+    """Three samples on one line are accepted here. Three points on a line do not determine an
+    affine function.
     """
     return all(np.sum(np.abs(normals @ [-n[1], n[0]]) > 1e-9) >= 3 for n in normals)
 
 
 @answers("04.5")
 def directions_counted(points, normals):
-    """This counts how many different directions the normals have. Two may be enough, and many may
-    not be: it matters how many samples have each, and where they are.
+    """This counts the different directions of the normals. The condition (4.5) also depends on the
+    number and the positions of the samples that have each direction.
     """
     tensors = np.einsum("ni,nj->nij", normals, normals).round(8)
     return len(np.unique(tensors.reshape(len(normals), 4), axis=0)) > 2
@@ -311,25 +353,64 @@ def directions_counted(points, normals):
 
 @answers("04.5")
 def the_whole_truth(points, normals):
-    """This is whether B' has full rank, and that is more than was asked: (4.5) speaks only of
-    flows of one fixed direction. If all normals go through one place it holds, and a rotation is
-    lost all the same.
+    """The result is whether B' has full rank, which is a stronger condition than (4.5). If the
+    lines of all normals pass through one point, (4.5) can hold, but the rank is less than six.
     """
     return np.linalg.matrix_rank(rows(local(points), normals), tol=1e-9) == 6
 
 
 @answers("04.5")
 def opposite_taken_for_different(points, normals):
-    """A normal and its opposite were taken for two directions. The sign of a normal is a matter of
-    taste, and n · m is zero for both or for none. Compare something that has no sign.
+    """A normal and its opposite count as two directions here. The sign of a normal is arbitrary,
+    and n · m is zero for both or for neither.
     """
     return all(spans(points[np.abs(normals - n).max(axis=1) > 1e-9]) for n in normals)
 
 
 @answers("04.5")
+def holds_always(points, normals):
+    """The answer is True for all inputs. Parallel normals violate (4.5): for which direction m is n
+    · m zero for all of them?
+    """
+    return True
+
+
+@answers("04.5")
+def only_not_on_one_line(points, normals):
+    """The answer is only whether all points are on one line. No direction omits a sample here. For
+    which directions m is n · m zero for some sample?
+    """
+    return spans(points)
+
+
+@answers("04.5")
+def one_direction_is_enough(points, normals):
+    """Here one good direction is enough. (4.5) must hold for every direction m."""
+    return any(spans(points[np.abs(normals @ [-n[1], n[0]]) > 1e-9]) for n in normals)
+
+
+@answers("04.5")
+def first_direction_only(points, normals):
+    """Only the direction that omits the first sample decides. Does the loop return before it has
+    tested the others?
+    """
+    m = np.array([-normals[0, 1], normals[0, 0]])
+    return spans(points[np.abs(normals @ m) > 1e-9])
+
+
+@answers("04.5")
+def ones_forgotten(points, normals):
+    """Points on a line that does not pass through the origin are accepted here. Their array has
+    rank 2. Which column of B is missing?
+    """
+    kept = [points[np.abs(normals @ [-n[1], n[0]]) > 1e-9] for n in normals]
+    return all(np.linalg.matrix_rank(k, tol=1e-9) == 2 for k in kept)
+
+
+@answers("04.5")
 def tried_along_the_normals(points, normals):
-    """The directions that were tried are the normals themselves. A flow along its own normal is
-    seen by a sample; left out is the sample for the direction at a right angle.
+    """The tested directions are the normals themselves. A sample is omitted for the direction
+    perpendicular to its normal.
     """
     return all(spans(points[np.abs(normals @ n) > 1e-9]) for n in normals)
 
@@ -348,32 +429,30 @@ def shifted(ring):
 
 @answers("04.6")
 def spokes_alone(center, ring):
-    """The rim is missing. With the spokes alone the flow away from the vertex runs along every
-    edge, and the rank can never be full. There are twice as many samples.
+    """The outer edges are missing. There are twice as many samples. With the spokes alone the rank
+    is always less than six.
     """
     return (center + ring) / 2, unit(turn(ring - center))
 
 
 @answers("04.6")
 def edges_for_normals(center, ring):
-    """These are unit vectors along the edges. A normal stands at a right angle to its edge."""
+    """These are unit vectors along the edges. A normal is perpendicular to its edge."""
     start, end = star(center, ring, shifted(ring))
     return (start + end) / 2, unit(end - start)
 
 
 @answers("04.6")
 def as_long_as_the_edges(center, ring):
-    """The normals are as long as the edges, so that n · u is what flows across the whole edge.
-    Asked for are unit normals.
-    """
+    """The normals are as long as the edges. The question asks for unit normals."""
     start, end = star(center, ring, shifted(ring))
     return (start + end) / 2, turn(end - start)
 
 
 @answers("04.6")
 def divided_by_one_number(center, ring):
-    """All normals were divided by one number, the size of the whole array, so none has the length
-    one. Each row has a length of its own: along which axis are the squares summed?
+    """All normals were divided by one number, the norm of the whole array. Each row must have
+    length one. Along which axis must the squares be added?
     """
     start, end = star(center, ring, shifted(ring))
     return (start + end) / 2, turn(end - start) / np.linalg.norm(end - start)
@@ -381,8 +460,8 @@ def divided_by_one_number(center, ring):
 
 @answers("04.6")
 def ends_for_midpoints(center, ring):
-    """The samples stand at the ends of the edges. The mean of an affine flow over an edge is its
-    value in the middle, so that is where it is sampled.
+    """The samples are at the ends of the edges. They must be at the midpoints, where an affine flow
+    has its mean over the edge.
     """
     start, end = star(center, ring, shifted(ring))
     return end, unit(turn(end - start))
@@ -390,8 +469,8 @@ def ends_for_midpoints(center, ring):
 
 @answers("04.6")
 def not_halved(center, ring):
-    """The two ends were added and not divided by two. Draw your points: they lie outside the
-    star.
+    """The two ends were added, but not divided by two. Draw your points: they are
+    outside the star.
     """
     start, end = star(center, ring, shifted(ring))
     return start + end, unit(turn(end - start))
@@ -399,16 +478,16 @@ def not_halved(center, ring):
 
 @answers("04.6")
 def rim_not_closed(center, ring):
-    """One edge of the rim is missing, that from the last neighbour to the first. The neighbours
-    go all the way round.
-    """
+    """One outer edge is missing: the one from the last neighbour to the first."""
     start, end = np.vstack([0 * ring + center, ring[:-1]]), np.vstack([ring, ring[1:]])
     return (start + end) / 2, unit(turn(end - start))
 
 
 @answers("04.6")
 def rim_first(center, ring):
-    """All samples are there, the rim before the spokes. Asked for are the spokes first."""
+    """All samples are there, but the outer edges come before the spokes. Return the
+    spokes first.
+    """
     start, end = star(center, ring, shifted(ring))
     k = len(ring)
     return np.roll((start + end) / 2, k, axis=0), np.roll(unit(turn(end - start)), k, axis=0)
@@ -416,8 +495,8 @@ def rim_first(center, ring):
 
 @answers("04.6")
 def rim_backwards(center, ring):
-    """The rim begins with the edge from the first neighbour to the last. Asked for is the one to
-    the next neighbour first: look at the direction in which the array was rolled.
+    """The outer edges begin with the edge from the first neighbour to the last. The first one must
+    be the edge to the next neighbour. Check the direction in which the array was rolled.
     """
     start, end = star(center, ring, np.vstack([ring[-1:], ring[:-1]]))
     return (start + end) / 2, unit(turn(end - start))
@@ -433,33 +512,32 @@ def conic(points):
 
 @answers("04.7")
 def vertices_counted(vertices):
-    """This is the number of vertices, or six: no conic was noticed. Nine points of a circle have
-    the rank five. Were they counted, or singular values compared with zero exactly, which
-    rounding never leaves?
+    """This is the number of vertices, or six: no conic was found. Nine points on a circle have rank
+    five. Were vertices counted, or singular values compared with zero exactly?
     """
     return min(len(vertices), 6)
 
 
 @answers("04.7")
 def lines_only(vertices):
-    """This is the rank of the columns 1, x, y: whether the points lie on a line. The columns of
-    degree two in (4.6) are missing.
+    """This is the rank of the columns 1, x, y. It shows only whether the points lie on a line. The
+    columns of degree two in (4.6) are missing.
     """
     return np.linalg.matrix_rank(basis(local(vertices)), tol=1e-9)
 
 
 @answers("04.7")
 def no_mixed_column(vertices):
-    """The column of the products xy is missing. Without it only conics are found whose axes are
-    parallel to those of the coordinates, and the rank is five at most.
+    """The column of the products xy is missing, so the rank is at most five. Only conics with axes
+    parallel to the coordinate axes are found.
     """
     return np.linalg.matrix_rank(np.delete(conic(local(vertices)), 4, axis=1), tol=1e-9)
 
 
 @answers("04.7")
 def circles_only(vertices):
-    """This asks whether the points lie on a circle: the squares were added to one column. A conic
-    has a factor for each of x², xy and y².
+    """The squares were added to one column, so only circles are found. In (4.6) x², xy and y² have
+    a column each.
     """
     x, y = local(vertices).T
     return np.linalg.matrix_rank(np.array([x**0, x, y, x**2 + y**2]), tol=1e-9)
@@ -467,25 +545,57 @@ def circles_only(vertices):
 
 @answers("04.7")
 def in_these_units(vertices):
-    """In these units the columns differ by many orders of magnitude, squares most of all, and far
-    from the origin they are nearly dependent. Move the points to the origin and scale them before
-    the squares are formed.
+    """In these units the columns differ by many orders of magnitude, and far from the origin they
+    are nearly dependent. Subtract the mean of each coordinate and scale to size one before you form
+    the squares.
     """
     return np.linalg.matrix_rank(conic(vertices))
 
 
 @answers("04.7")
 def tolerance_for_metres(vertices):
-    """The tolerance is a fixed number, and the points are in whatever unit they come. A small
-    length has a square that is much smaller still: for points close together those columns count
-    as zero. Bring the points to the size one first.
+    """For points that are close together, the columns of degree two fall below this tolerance.
+    Scale the points to size one before you form the squares.
     """
     return np.linalg.matrix_rank(conic(vertices - vertices.mean(axis=0)), tol=1e-9)
 
 
+@answers("04.7", named=False)
+def default_tolerance_for_conics(vertices):
+    """The default tolerance counts points within 10⁻¹² of a conic as general."""
+    return np.linalg.matrix_rank(conic(local(vertices)))
+
+
+@answers("04.7", named=False)
+def coarse_tolerance_for_conics(vertices):
+    """Points close to a conic are taken for points on it."""
+    return np.linalg.matrix_rank(conic(local(vertices)), tol=0.05)
+
+
+@answers("04.7", named=False)
+def tolerance_of_a_thousandth_for_conics(vertices):
+    """Points close to a conic are taken for points on it."""
+    return np.linalg.matrix_rank(conic(local(vertices)), tol=1e-3)
+
+
+@answers("04.7", named=False)
+def moved_by_one_mean(vertices):
+    """One mean of all coordinates leaves the points far from the origin."""
+    moved = vertices - vertices.mean()
+    return np.linalg.matrix_rank(conic(moved / np.ptp(moved)), tol=1e-9)
+
+
+@answers("04.7", named=False)
+def linear_columns_not_scaled(vertices):
+    """The linear columns are in metres, the squares are scaled."""
+    x, y = (vertices - vertices.mean(axis=0)).T
+    u, v = local(vertices).T
+    return np.linalg.matrix_rank(np.array([x**0, x, y, u**2, u * v, v**2]), tol=1e-9)
+
+
 @answers("04.7")
 def does_one_exist(vertices):
-    """This says whether there is a conic through the points, as one or zero. Asked for is the
-    rank: it tells how many conics there are.
+    """The function returns 1 if a conic passes through the points, else 0. The question asks for
+    the rank.
     """
     return int(np.linalg.matrix_rank(conic(local(vertices)), tol=1e-9) < 6)

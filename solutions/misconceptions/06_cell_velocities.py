@@ -53,8 +53,8 @@ def raviart(q, v, x):
 
 @answers("06.1")
 def inward(q):
-    """All normals point inwards. Then v would be what flows *in*, and every velocity has the
-    wrong sign. On which side of a side is the opposite corner?
+    """All normals point inwards. Then v would be the velocity at which the fluid *enters*, and
+    every velocity has the wrong sign. On which side of the line is the opposite corner?
     """
     return -outward(q)
 
@@ -62,23 +62,23 @@ def inward(q):
 @answers("06.1")
 def outward_in_one_order_only(q):
     """Outward for triangles whose corners are listed anticlockwise, and inward for the others.
-    Meshes come with both. What tells you, for a given triangle, which side is outside?
+    A mesh may contain both. How can you decide which direction is outward in a given triangle?
     """
     return clockwise_turn(sides(q)) / lengths(q)[:, None]
 
 
 @answers("06.1")
 def as_long_as_the_sides(q):
-    """The directions are right, but each normal is as long as its side. Then N u is no velocity
-    but a flow, and long sides count more. What does *unit* normal mean?
+    """The directions are right, but each normal is as long as its side. N u is then
+    a flow rate instead of a velocity, and long sides count more. What is a *unit* normal?
     """
     return np.sign(signed_area(q)) * clockwise_turn(sides(q))
 
 
 @answers("06.1")
 def along_the_sides(q):
-    """These are unit vectors along the sides. What flows along a side does not cross it: turn
-    them by a right angle.
+    """These are unit vectors along the sides. A normal must be
+    perpendicular to its side: rotate them by a right angle.
     """
     return sides(q) / lengths(q)[:, None]
 
@@ -86,16 +86,16 @@ def along_the_sides(q):
 @answers("06.1")
 def in_another_order(q):
     """The normals are right, in another order: row a has the normal of a side that *begins* at
-    corner a, and should have that of the side opposite. Which two corners does side a not leave
-    out?
+    corner a, and should have that of the side opposite. Which two corners are the ends of
+    side a?
     """
     return np.roll(outward(q), -2, axis=0)
 
 
 @answers("06.1")
 def of_the_side_that_begins_here(q):
-    """Two things at once: row a has the normal of the side that begins at corner a instead of the
-    one opposite, and it is outward only if the corners are listed anticlockwise. Begin with the
+    """There are two mistakes: row a has the normal of the side that begins at corner a instead of
+    the one opposite, and it is outward only if the corners are listed anticlockwise. Begin with the
     first row, and name its side by its two ends.
     """
     along = np.roll(q, -1, axis=0) - q
@@ -125,9 +125,9 @@ def divided_by_one_length(q):
 
 
 @answers("06.2")
-def mean_of_the_shadows(q, v):
-    """This is a third of the sum of the vectors v n. Each is only the part of the velocity across
-    one side, so the result is too short, about half of what it should be. The equations must be
+def mean_of_the_projections(q, v):
+    """This is a third of the sum of the vectors v n. Each is only the component of the velocity
+    across one side, so the result is too short, by a factor of about two. The equations must be
     solved together.
     """
     return v @ outward(q) / 3
@@ -160,16 +160,17 @@ def last_two_equations(q, v):
 
 @answers("06.2")
 def normals_inward(q, v):
-    """The velocity has the opposite sign: v is what flows *out*, and you have solved with normals
-    that point in.
+    """The velocity has the opposite sign, as if the normals pointed inwards: v is the velocity at
+    which the fluid *leaves*.
     """
     return -solved(outward(q), v)
 
 
 @answers("06.2")
 def weighted_by_the_lengths(q, v):
-    """Each equation has been multiplied by the length of its side, so that long sides count more.
-    That is a method, but another one: in (6.2) the three sides count alike.
+    """This is the result of least squares with each equation multiplied by the length of its side.
+    It is also the mean of the three solutions of two equations, and (6.8) at the centroid. In (6.2)
+    the three residuals count alike.
     """
     size = lengths(q)
     return solved(size[:, None] * outward(q), size * v)
@@ -178,28 +179,49 @@ def weighted_by_the_lengths(q, v):
 @answers("06.2")
 def normals_not_of_unit_length(q, v):
     """The normals are as long as the sides, while v is a velocity and not yet multiplied by the
-    length. So the two sides of (6.1) do not belong together: a wind does not come back.
+    length. The two sides of (6.1) do not fit: a constant velocity is not reproduced.
     """
     return solved(lengths(q)[:, None] * outward(q), v)
 
 
 @answers("06.2")
 def normal_equations_without_the_right_side(q, v):
-    """In the normal equations the matrix has been multiplied by its transpose and the inverse
-    forgotten: this is Nᵀv, a sum of vectors and no solution. What is Nᵀ multiplied with on the
-    left?
+    """This is Nᵀv, the right-hand side of the normal equations, and not their solution. Which
+    matrix multiplies u in these equations?
     """
     return outward(q).T @ v
+
+
+@answers("06.2")
+def anticlockwise_assumed(q, v):
+    """The velocity has the wrong sign for the triangles whose corners are listed clockwise. Are
+    your normals outward for both orders?
+    """
+    return np.sign(signed_area(q)) * solved(outward(q), v)
+
+
+@answers("06.2", named=False)
+def least_norm_with_a_small_ridge(q, v):
+    """A small number is added to the normal matrix: the velocity is a little too short."""
+    n = outward(q)
+    return np.linalg.solve(n.T @ n + 1e-6 * np.eye(2), n.T @ v)
 
 
 # 06.3 defect
 
 
 @answers("06.3")
+def root_mean_square(q, v):
+    """This is the root of the *mean* of the three squared differences. The defect is the length of
+    their vector: the root of the sum.
+    """
+    return abs(lengths(q) @ v) / np.linalg.norm(lengths(q)) / np.sqrt(3)
+
+
+@answers("06.3")
 def sum_without_lengths(q, v):
-    """The normal velocities are added without the lengths. What flows out through a side is its
-    velocity *times* its length; with the bare sum a wind through a triangle with unequal sides
-    seems to have a source.
+    """The normal velocities are added without the lengths. The outflow through a side is the normal
+    velocity *times* the length. Without the lengths a constant velocity would have a defect.
     """
     return abs(v.sum()) / np.sqrt(3)
 
@@ -212,24 +234,24 @@ def squared_defect(q, v):
 
 @answers("06.3")
 def with_a_sign(q, v):
-    """The size is right, the sign should not be there: the defect is the length of a vector. That
-    a cell is a sink tells its divergence, not its defect.
+    """The absolute value is right, the sign is not: the defect is the length of a vector. The sign
+    belongs to the divergence, which is negative for a sink.
     """
     return lengths(q) @ v / np.linalg.norm(lengths(q))
 
 
 @answers("06.3")
 def outflow_not_divided(q, v):
-    """This is all that flows out, a velocity times a length. To make the defect of it, one has to
-    divide by a length; by which one in (6.4)?
+    """This is the net outflow, a velocity times a length. The defect is a velocity. Which length is
+    the denominator of (6.4)?
     """
     return abs(lengths(q) @ v)
 
 
 @answers("06.3")
 def divided_by_the_perimeter(q, v):
-    """The outflow is divided by the sum of the lengths. In (6.4) it is the length of the vector
-    of lengths: the root of the sum of their squares.
+    """The outflow is divided by the sum of the lengths. The denominator of (6.4) is the norm of the
+    vector of lengths: the root of the sum of their squares.
     """
     return abs(lengths(q) @ v) / lengths(q).sum()
 
@@ -252,8 +274,8 @@ def largest_residual(q, v):
 
 @answers("06.3")
 def residual_as_a_vector(q, v):
-    """These are the three differences of N u and v. Their direction is always that of l; what is
-    asked for is the length of that vector, one number.
+    """These are the three differences of N u and v. The defect is the length of
+    this vector, one number.
     """
     return outward(q) @ solved(outward(q), v) - v
 
@@ -271,8 +293,8 @@ def centroid(q):
 
 @answers("06.4")
 def incentre(q):
-    """This is the centre of the circle that touches the three *sides*. Asked for is that through
-    the three corners.
+    """This is the incentre, the centre of the circle that touches the three *sides*. The
+    circumcentre is the centre of the circle through the three corners.
     """
     return lengths(q) @ q / lengths(q).sum()
 
@@ -287,16 +309,14 @@ def factor_two_missing(q):
 
 @answers("06.4")
 def as_seen_from_the_corner(q):
-    """This is O − q₁, the circumcentre as seen from the first corner. What is left to do to get
-    the place itself?
-    """
+    """This is O − q₁, the circumcentre relative to the first corner. Which step is missing?"""
     return center(q) - q[0]
 
 
 @answers("06.4")
 def orthocentre(q):
-    """This is where the heights meet, not where the perpendicular bisectors do. Which place is
-    equally far from the corners?
+    """This is the orthocentre, where the heights meet, not where the perpendicular bisectors meet.
+    Which point is equally far from the corners?
     """
     return q.sum(axis=0) - 2 * center(q)
 
@@ -316,6 +336,12 @@ def lengths_not_squared(q):
     return q[0] + np.linalg.solve(2 * d, np.hypot(*d.T))
 
 
+@answers("06.4", named=False)
+def differences_of_squares(q):
+    """Far from the origin the differences of squared coordinates lose digits."""
+    return np.linalg.solve(2 * (q[1:] - q[0]), np.sum(q[1:] ** 2, axis=1) - q[0] @ q[0])
+
+
 # 06.5 truth
 
 
@@ -329,7 +355,7 @@ def about_the_origin(x, m, s):
 
 @answers("06.5")
 def clockwise(x, m, s):
-    """The rotation goes the other way, with the sign of J reversed. Apply J of (6.6) to (1, 0) by
+    """The rotation is clockwise, as with the opposite sign of J. Apply J of (6.6) to (1, 0) by
     hand.
     """
     return -turned_left(x - m) + s * (x - m)
@@ -337,7 +363,7 @@ def clockwise(x, m, s):
 
 @answers("06.5")
 def rotation_only(x, m, s):
-    """Only the rotation is there: s has no effect. The second term of (6.6) is missing."""
+    """The field is the rotation only: s has no effect. The second term of (6.6) is missing."""
     return flow(x, m, 0)
 
 
@@ -359,18 +385,26 @@ def everything_times_s(x, m, s):
 
 @answers("06.5")
 def mirrored(x, m, s):
-    """The components are exchanged without a change of sign: this mirrors and does not turn. Look
-    at the signs in J.
+    """The components are exchanged without a change of sign: this is a reflection, not a rotation.
+    Look at the signs in J.
     """
     return (x - m)[:, ::-1] + s * (x - m)
 
 
 @answers("06.5")
-def about_the_mean_of_the_places(x, m, s):
-    """The field turns about the mean of the places at which it is asked for. Its centre is given,
-    as m: asked for at one place alone, the field must not vanish there.
+def about_the_mean_of_the_points(x, m, s):
+    """The field rotates about the mean of the points x. Its centre is the argument m: evaluated at
+    one point only, the field must not vanish there.
     """
     return flow(x, x.mean(axis=0), s)
+
+
+@answers("06.5")
+def size_of_s(x, m, s):
+    """For negative s the field expands, as for positive s. With s < 0 the fluid must flow towards
+    the centre: use s with its sign.
+    """
+    return flow(x, m, abs(s))
 
 
 # 06.6 errors
@@ -396,8 +430,8 @@ def three(squares, join=lambda x: np.sqrt(np.mean(x))):
 
 @answers("06.6")
 def mean_squares(points, triangles, s):
-    """These are the means of the squares: the roots in (6.7) are missing. In a field of
-    centimetres per second they would be square centimetres.
+    """These are the means of the squares: the roots in (6.7) are missing. An error must have the
+    unit of a velocity.
     """
     return three(compared(points, triangles, s), np.mean)
 
@@ -435,6 +469,32 @@ def sums_instead_of_means(points, triangles, s):
 
 
 @answers("06.6")
+def sums_over_the_cells(points, triangles, s):
+    """The squares are added over the cells, and averaged only over the three corners. In (6.7) the
+    mean is over the cells, too.
+    """
+    squares = compared(points, triangles, s)
+    return np.sqrt([squares[:, 0].sum(), squares[:, 1].sum(), squares[:, 2:].mean(axis=1).sum()])
+
+
+@answers("06.6")
+def largest_over_the_cells(points, triangles, s):
+    """These are the errors of the worst cell, with the mean over its corners in the third number.
+    (6.7) has a mean over all cells.
+    """
+    squares = compared(points, triangles, s)
+    return np.sqrt([squares[:, 0].max(), squares[:, 1].max(), squares[:, 2:].mean(axis=1).max()])
+
+
+@answers("06.6")
+def sum_over_the_corners(points, triangles, s):
+    """The third number is too large by the root of three: the squares were summed over the three
+    corners of a cell. In (6.7) the mean is over the corners as well.
+    """
+    return three(compared(points, triangles, s)) * np.array([1, 1, np.sqrt(3)])
+
+
+@answers("06.6")
 def mean_of_the_vertex_velocities(points, triangles, s):
     """The third number compares with the *mean* of the velocities at the three corners. For an
     affine field that is the truth at the centroid, so it repeats the second number. (6.7)
@@ -454,8 +514,8 @@ def opposite_corner(points, triangles, s):
 
 @answers("06.6")
 def middles_in_another_order(points, triangles, s):
-    """The middles of the sides are right, but not in the order of the normals: each normal meets
-    the velocity at the middle of another side. Side a is opposite to corner a.
+    """The midpoints of the sides are right, but not in the order of the normals: each normal is
+    combined with the velocity at the midpoint of another side. Side a is opposite to corner a.
     """
     return three(compared(points, triangles, s, data=lambda q, p: np.roll(p, 1, axis=0)))
 
@@ -480,8 +540,8 @@ def circumcentre_and_centroid_exchanged(points, triangles, s):
 
 @answers("06.8")
 def towards_the_corner(q, v, x):
-    """Everything has the wrong sign: the vectors go from the place to the corners. In (6.8) they
-    go from the corners to the place.
+    """The result has the wrong sign, as if the vectors pointed from x to the corners. In (6.8) they
+    point from the corners to x.
     """
     return -raviart(q, v, x)
 
@@ -512,8 +572,8 @@ def area_with_a_sign(q, v, x):
 
 @answers("06.8")
 def from_the_middles(q, v, x):
-    """The vectors start at the middles of the sides. (6.8) has the corners opposite: only then
-    does each term leave the two other sides uncrossed.
+    """The vectors start at the midpoints of the sides. In (6.8) they start at the opposite corners:
+    only then is each term parallel to the two other sides.
     """
     middles = (np.roll(q, -1, axis=0) + np.roll(q, -2, axis=0)) / 2
     return ((v * lengths(q))[:, None] * (x - middles)).sum(axis=0) / (2 * abs(signed_area(q)))
@@ -530,16 +590,16 @@ def multiplied_by_the_heights(q, v, x):
 
 @answers("06.8")
 def the_constant_velocity(q, v, x):
-    """This is the constant velocity of question 06.2; the place x has no effect. The field of
-    (6.8) changes from place to place.
+    """This is the constant velocity of question 06.2; the point x has no effect. The field of
+    (6.8) changes from point to point.
     """
     return solved(outward(q), v)
 
 
 @answers("06.8")
 def corners_in_another_order(q, v, x):
-    """Each velocity meets the wrong corner: side a is opposite to corner a, and its term has the
-    vector from *that* corner.
+    """Each velocity is combined with the wrong corner. Side a is opposite to corner a, and its term
+    in (6.8) has the vector from *that* corner.
     """
     return ((v * lengths(q))[:, None] * (x - np.roll(q, 1, axis=0))).sum(axis=0) / (
         2 * abs(signed_area(q))

@@ -41,16 +41,16 @@ def normalised(w):
 
 @answers("07.1")
 def angle_in_degrees(center, radius, turn):
-    """The corners lie on the circle, but not evenly: the steps are of 60, and NumPy's cosine takes
-    radians. Which number stands beside b in (7.1)?
+    """The corners lie on the circle, but not evenly: the steps are 60, and NumPy's cosine takes
+    radians. What is the factor of b in (7.1)?
     """
     return center + radius * circle(turn + 60.0 * np.arange(6))
 
 
 @answers("07.1")
 def center_forgotten(center, radius, turn):
-    """This hexagon stands round the origin. Every point of (7.1) begins with the place of the
-    middle vertex; without it all that follows is right for one position only.
+    """This hexagon is centred at the origin. Every point of (7.1) contains the centre as its first
+    term.
     """
     return radius * circle(turn + np.pi / 3 * np.arange(6))
 
@@ -87,14 +87,49 @@ def diameter_for_radius(center, radius, turn):
     return center + radius / 2 * circle(turn + np.pi / 3 * np.arange(6))
 
 
+@answers("07.1")
+def turn_taken_as_degrees(center, radius, turn):
+    """The angle α was converted from degrees. It is given in radians already, as NumPy's cosine
+    takes it.
+    """
+    return center + radius * circle(np.radians(turn) + np.pi / 3 * np.arange(6))
+
+
+@answers("07.1")
+def turned_by_minus_the_angle(center, radius, turn):
+    """The corners go round anticlockwise, but the hexagon is turned by −α. Look at the sign of α in
+    (7.1).
+    """
+    return center + radius * circle(-turn + np.pi / 3 * np.arange(6))
+
+
+@answers("07.1")
+def sine_and_cosine_exchanged(center, radius, turn):
+    """The two coordinates, relative to the centre, are exchanged. In (7.1) the cosine comes
+    first.
+    """
+    return center + radius * circle(turn + np.pi / 3 * np.arange(6))[:, ::-1]
+
+
+@answers("07.1")
+def begins_with_the_second_corner(center, radius, turn):
+    """The first row is x₁ and the last one x₀. In (7.1) b runs from 0 to 5."""
+    return center + radius * circle(turn + np.pi / 3 * np.arange(1, 7))
+
+
 # 07.2
+
+
+@answers("07.2", named=False)
+def differences_of_squares(a, b, c):
+    """Far from the origin the differences of squared coordinates lose digits."""
+    return np.linalg.solve(2 * np.array([b - a, c - b]), [b @ b - a @ a, c @ c - b @ b])
 
 
 @answers("07.2")
 def centroid(a, b, c):
-    """This is the centroid, the mean of the corners. It is a centre of the triangle, but not
-    equally far from the corners, and lines between centroids are not perpendicular to the edges.
-    For the regular hexagon nobody would notice. Condition (7.2) speaks of distances.
+    """This is the centroid, the mean of the corners. Only in an equilateral triangle has it the
+    same distance from all corners, which is what (7.2) requires.
     """
     return (a + b + c) / 3
 
@@ -102,7 +137,7 @@ def centroid(a, b, c):
 @answers("07.2")
 def half_forgotten(a, b, c):
     """The point is twice as far from the corner as it should be. Expand the squares in (7.2) once
-    more: the linear term comes with a factor 2, so something is left on the other side.
+    more: the linear term has a factor 2.
     """
     edges = np.array([b - a, c - a])
     return a + np.linalg.solve(edges, np.sum(edges**2, axis=1))
@@ -110,8 +145,8 @@ def half_forgotten(a, b, c):
 
 @answers("07.2")
 def not_moved_back(a, b, c):
-    """This is the way from the first corner to the circumcentre, not the circumcentre. The
-    equations were solved relative to a corner, and the result was left there.
+    """This is the circumcentre relative to the first corner. The unknown of the equations is a
+    difference; which step is missing?
     """
     edges = np.array([b - a, c - a])
     return np.linalg.solve(edges, np.sum(edges**2, axis=1) / 2)
@@ -119,8 +154,8 @@ def not_moved_back(a, b, c):
 
 @answers("07.2")
 def lengths_not_squared(a, b, c):
-    """On the right of the equations stand lengths, where squares of lengths belong: both sides must
-    be areas. Look at what squaring (7.2) leaves.
+    """The right side of the equations contains lengths instead of squares of lengths. Square (7.2)
+    and look at the units of both sides.
     """
     edges = np.array([b - a, c - a])
     return a + np.linalg.solve(edges, np.linalg.norm(edges, axis=1) / 2)
@@ -128,8 +163,8 @@ def lengths_not_squared(a, b, c):
 
 @answers("07.2")
 def edges_in_columns(a, b, c):
-    """Rows and columns of the system are exchanged. Each equation speaks of one edge, so an edge
-    is a row of the matrix; in the columns stand its coordinates. Write the first equation out.
+    """The matrix is transposed. Each equation belongs to one edge, so each edge is a row of the
+    matrix. Write the first equation out.
     """
     edges = np.column_stack([b - a, c - a])
     return a + np.linalg.solve(edges, np.sum(edges**2, axis=0) / 2)
@@ -137,8 +172,8 @@ def edges_in_columns(a, b, c):
 
 @answers("07.2")
 def incenter(a, b, c):
-    """This is the centre of the inscribed circle, where the bisectors of the angles meet: it is
-    equally far from the sides. Asked for is the point equally far from the corners.
+    """This is the incentre, which has the same distance from the three sides. The circumcentre has
+    the same distance from the three corners.
     """
     sides = np.array([np.linalg.norm(b - c), np.linalg.norm(c - a), np.linalg.norm(a - b)])
     return sides @ np.array([a, b, c]) / sides.sum()
@@ -158,8 +193,8 @@ def orthocenter(a, b, c):
 
 @answers("07.3")
 def sign_kept(a, b, c):
-    """The size is right, but the sign tells which way round the corners are listed. An area is
-    positive, and (7.4) has bars. With the sign some weights would come out negative.
+    """The absolute value is right, but the sign depends on the order of the corners. An area is
+    positive; (7.4) has an absolute value.
     """
     return cross(b - a, c - a) / 2
 
@@ -199,9 +234,8 @@ def origin_for_corner(a, b, c):
 
 @answers("07.4")
 def areas_dropped(center, rim, corners, x):
-    """The areas are missing: above the line there is a one. In the regular hexagon all triangles
-    are equal and nobody would notice; elsewhere linear fields are lost. What stands above in
-    (7.5)?
+    """The areas are missing: the numerator is one. In a regular hexagon all areas are equal,
+    elsewhere linear fields are not reproduced. What is the numerator of (7.5)?
     """
     j, k = heights(center, rim, corners, x)
     return 1 / (j * k)
@@ -209,24 +243,24 @@ def areas_dropped(center, rim, corners, x):
 
 @answers("07.4")
 def factor_two_dropped(center, rim, corners, x):
-    """These are halves of the weights. The coordinates would come out right, since a common factor
-    cancels, but (7.5) has it: the determinant of two spokes is not the area itself.
+    """These are halves of the weights. The coordinates would be right, since a common factor
+    cancels. But the determinant of two edges is twice the area of the triangle.
     """
     return one_place(center, rim, corners, x) / 2
 
 
 @answers("07.4")
 def areas_squared(center, rim, corners, x):
-    """The area enters squared. Doubling all lengths must leave a quarter of each weight; which
-    powers of a length stand above and below in yours?
+    """The area enters squared. If all lengths are doubled, each weight must become a quarter; which
+    powers of a length do your numerator and denominator have?
     """
     return double_areas(center, rim) * one_place(center, rim, corners, x)
 
 
 @answers("07.4")
 def normals_of_length_one_below(center, rim, corners, x):
-    """Below the line the normals have length one, as in (7.3), while above stands twice the area,
-    as in (7.5). The lengths cancel only if they are left out of both, or kept in both.
+    """The denominator has unit normals, as in (7.3), and the numerator has twice the area, as in
+    (7.5). The lengths cancel only if both are treated alike.
     """
     spokes = np.linalg.norm(rim - center, axis=1)
     return one_place(center, rim, corners, x) * spokes * np.roll(spokes, -1)
@@ -234,8 +268,8 @@ def normals_of_length_one_below(center, rim, corners, x):
 
 @answers("07.4")
 def product_over_all_neighbours(center, rim, corners, x):
-    """The product runs over all neighbours. Only two edges of the cell meet in a corner, and only
-    their two factors belong into (7.5).
+    """The product runs over all neighbours. Only two edges of the cell meet in a corner, so the
+    denominator of (7.5) has two factors.
     """
     below = [np.prod((rim - center) @ (p - x)) for p in corners]
     return double_areas(center, rim) / below
@@ -267,8 +301,8 @@ def next_but_one(center, rim, corners, x):
 
 @answers("07.4")
 def spokes_from_the_origin(center, rim, corners, x):
-    """The neighbours themselves stand below, not the ways to them from the middle: right only for a
-    vertex at the origin. Which difference is meant in (7.5)?
+    """The denominator has the neighbours themselves instead of their differences from the vertex.
+    It is right only for a vertex at the origin.
     """
     j, k = rim, np.roll(rim, -1, axis=0)
     below = np.sum(j * (corners - x), axis=1) * np.sum(k * (corners - x), axis=1)
@@ -277,8 +311,8 @@ def spokes_from_the_origin(center, rim, corners, x):
 
 @answers("07.4")
 def spokes_from_the_place(center, rim, corners, x):
-    """The spokes begin at the place x, where they should begin at the vertex: the normals of a
-    cell do not depend on where it is looked at. Compare the two differences in (7.5).
+    """The neighbours are taken relative to the point x instead of relative to the vertex. The
+    normals of a cell do not depend on x. Compare the two differences in (7.5).
     """
     j, k = rim - x, np.roll(rim, -1, axis=0) - x
     below = np.sum(j * (corners - x), axis=1) * np.sum(k * (corners - x), axis=1)
@@ -287,16 +321,16 @@ def spokes_from_the_place(center, rim, corners, x):
 
 @answers("07.4")
 def from_the_center_not_the_place(center, rim, corners, x):
-    """These weights do not depend on the place: the way to the corner was taken from the vertex.
-    They are right in the middle of the cell only. Where is x in (7.5)?
+    """These weights do not depend on the point: the corners are taken relative to the vertex. They
+    are right at the vertex only. Where is x in (7.5)?
     """
     return one_place(center, rim, corners, center)
 
 
 @answers("07.4")
 def sum_below(center, rim, corners, x):
-    """Below the line the two factors have been added. A corner must gain on the others as the place
-    comes near either of its edges, so one small factor has to suffice. Read the sign between them.
+    """The two factors of the denominator were added. In (7.5) they are multiplied, so that one
+    small factor suffices for a large weight.
     """
     j, k = heights(center, rim, corners, x)
     return double_areas(center, rim) / (j + k)
@@ -304,8 +338,8 @@ def sum_below(center, rim, corners, x):
 
 @answers("07.4")
 def divided_by_the_sum(center, rim, corners, x):
-    """These are coordinates already: the weights divided by their sum. That is the next question;
-    here the weights of (7.5) themselves are asked for.
+    """These are coordinates: the weights divided by their sum. This is the next question; here the
+    weights (7.5) themselves are required.
     """
     w = one_place(center, rim, corners, x)
     return w / w.sum()
@@ -313,12 +347,39 @@ def divided_by_the_sum(center, rim, corners, x):
 
 @answers("07.4")
 def orientation_kept(center, rim, corners, x):
-    """For neighbours listed clockwise the weights are negative: the area carries a sign. If all
-    do, the coordinates survive; with triangles both ways round they would not. See the bars in
-    (7.4).
+    """For neighbours listed clockwise the weights have the wrong sign, which is the sign of the
+    determinant. See the absolute value in (7.4).
     """
     j, k = heights(center, rim, corners, x)
     return cross(rim - center, np.roll(rim, -1, axis=0) - center) / (j * k)
+
+
+def positive(values):
+    return np.abs(values)
+
+
+@answers("07.4", named=False)
+def size_of_the_weights(center, rim, corners, x):
+    """Outside the cell some weights are negative; here all of them are positive."""
+    return positive(one_place(center, rim, corners, x))
+
+
+@answers("07.4", named=False)
+def from_areas_in_the_cell(center, rim, corners, x):
+    """These areas are right inside the cell; outside one of them must be negative."""
+    before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
+    first, second = (
+        positive(cross(before - x, corners - x)),
+        positive(cross(corners - x, after - x)),
+    )
+    return positive(cross(corners - before, after - before)) / (first * second)
+
+
+@answers("07.4", named=False)
+def size_of_one_factor(center, rim, corners, x):
+    """Outside the cell one factor is negative; here its absolute value was taken."""
+    j, k = heights(center, rim, corners, x)
+    return double_areas(center, rim) / (positive(j) * k)
 
 
 # 07.5
@@ -326,16 +387,16 @@ def orientation_kept(center, rim, corners, x):
 
 @answers("07.5")
 def not_normalised(center, rim, corners, x):
-    """These are the weights, not divided by their sum. A constant field would not come back: what
-    do the coordinates at a place have to add up to?
+    """These are the weights, not divided by their sum. A constant field is not reproduced: what
+    do the coordinates at a point have to add up to?
     """
     return many_places(center, rim, corners, x)
 
 
 @answers("07.5")
 def normalised_over_the_places(center, rim, corners, x):
-    """The sums run over the places instead of over the corners: columns add up to one, and rows
-    should. Each place has its own six, and must not depend on which others were asked for.
+    """The sums run over the points instead of over the corners: the columns sum to one, and the
+    rows should. The coordinates of a point must not depend on the other points.
     """
     w = many_places(center, rim, corners, x)
     return w / w.sum(axis=0)
@@ -343,7 +404,7 @@ def normalised_over_the_places(center, rim, corners, x):
 
 @answers("07.5")
 def divided_by_everything(center, rim, corners, x):
-    """All weights at all places together add up to one. Each place needs a sum of its own: which
+    """All weights at all points together add up to one. Each point needs a sum of its own: which
     axis is to be summed?
     """
     w = many_places(center, rim, corners, x)
@@ -352,8 +413,8 @@ def divided_by_everything(center, rim, corners, x):
 
 @answers("07.5")
 def divided_by_the_largest(center, rim, corners, x):
-    """The largest entry of each row is one, not the sum. Only division by the sum makes a
-    constant come back; see (7.6).
+    """The largest entry of each row is one, not the sum. Only after division by the sum
+    is a constant reproduced; see (7.6).
     """
     w = many_places(center, rim, corners, x)
     return w / w.max(axis=1, keepdims=True)
@@ -370,8 +431,8 @@ def of_unit_length(center, rim, corners, x):
 
 @answers("07.5")
 def inverse_distances(center, rim, corners, x):
-    """The sum is one, but these weights are inverse distances to the corners. They know nothing
-    of the edges, and linear fields are lost. Use the weights of (7.5).
+    """These are inverse distances to the corners, divided by their sum. They do not depend on the
+    edges, and linear fields are not reproduced. Use the weights of (7.5).
     """
     return normalised(1 / np.linalg.norm(corners - x[:, None], axis=2))
 
@@ -381,8 +442,8 @@ def inverse_distances(center, rim, corners, x):
 
 @answers("07.6")
 def around_the_origin(center, corners, steps):
-    """The spiral winds round the origin and not round the vertex. As it stands it may miss the cell
-    altogether. What is the first term of (7.7)?
+    """The spiral is centred at the origin instead of at the vertex. What is the first term of
+    (7.7)?
     """
     return spiral(np.zeros(2), np.linalg.norm((corners[0] + corners[1]) / 2 - center), steps)
 
@@ -410,8 +471,8 @@ def radius_from_the_origin(center, corners, steps):
 
 @answers("07.6")
 def corners_that_are_no_neighbours(center, corners, steps):
-    """The two corners do not share an edge, so their middle lies inside the cell and the spiral
-    comes out too small. Which two does the docstring name?
+    """The two corners do not share an edge, so their midpoint lies inside the cell and r is too
+    small. Which two corners does the docstring name?
     """
     return spiral(center, np.linalg.norm((corners[0] + corners[2]) / 2 - center), steps)
 
@@ -434,8 +495,8 @@ def half_the_length_of_the_edge(center, corners, steps):
 
 @answers("07.6")
 def counted_from_zero(center, corners, steps):
-    """n begins at zero: the first point is infinitely far away, and the last one is missing.
-    Where does (7.7) begin to count, and where does it end?
+    """n begins at zero: the first point is infinitely far away, and the last one is missing. What
+    are the first and the last n in (7.7)?
     """
     n = np.arange(steps)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -482,20 +543,61 @@ def one_step_too_few(center, corners, steps):
     return center + (r / n)[:, None] * circle(2 * np.pi * n / (steps - 1))
 
 
+@answers("07.6")
+def from_the_midpoint_of_the_edge(center, corners, steps):
+    """The spiral starts in the direction of the midpoint of the edge. In (7.7) the angle nΔθ is
+    measured from the first coordinate axis.
+    """
+    n = np.arange(1, steps + 1)
+    away = (corners[0] + corners[1]) / 2 - center
+    angle = np.arctan2(away[1], away[0]) + 2 * np.pi * n / steps
+    return center + (np.linalg.norm(away) / n)[:, None] * circle(angle)
+
+
+@answers("07.6")
+def clockwise_spiral(center, corners, steps):
+    """The spiral is clockwise. In (7.7) the angle grows with n, so it must be anticlockwise; look
+    at the sign of the sine.
+    """
+    n = np.arange(1, steps + 1)
+    r = np.linalg.norm((corners[0] + corners[1]) / 2 - center)
+    return center + (r / n)[:, None] * circle(-2 * np.pi * n / steps)
+
+
+def distances_to_the_middles(center, corners):
+    return np.linalg.norm((corners + np.roll(corners, -1, axis=0)) / 2 - center, axis=1)
+
+
+@answers("07.6")
+def radius_to_the_nearest_edge(center, corners, steps):
+    """r is the smallest of the distances to the middles of the edges. (7.7) has the edge of the
+    first two corners.
+    """
+    return spiral(center, distances_to_the_middles(center, corners).min(), steps)
+
+
+@answers("07.6")
+def radius_to_the_edge_before(center, corners, steps):
+    """r is the distance to the middle of the edge from the last corner to the first. (7.7) has the
+    edge of the first two corners.
+    """
+    return spiral(center, distances_to_the_middles(center, corners)[-1], steps)
+
+
 # 07.7
 
 
 @answers("07.7")
 def weights_instead_of_coordinates(center, rim, corners, values, x):
     """The values are mixed with weights that have not been divided by their sum, so even a
-    constant does not come back. (7.8) has ω, not w.
+    constant is not reproduced. (7.8) has ω, not w.
     """
     return many_places(center, rim, corners, x) @ values
 
 
 @answers("07.7")
 def nearest_value(center, rim, corners, values, x):
-    """Each place gets the value of the nearest corner, so the field jumps from one to the next. All
+    """Each point gets the value of the nearest corner, so the field jumps from one to the next. All
     corners take part in (7.8).
     """
     return values[np.linalg.norm(corners - x[:, None], axis=2).argmin(axis=1)]
@@ -503,7 +605,7 @@ def nearest_value(center, rim, corners, values, x):
 
 @answers("07.7")
 def plain_mean(center, rim, corners, values, x):
-    """This is the plain mean of the values, the same at every place. It is right for constants
+    """This is the plain mean of the values, the same at every point. It is right for constants
     only. Each value has a weight of its own in (7.8).
     """
     return np.full(len(x), values.mean())
@@ -511,7 +613,7 @@ def plain_mean(center, rim, corners, values, x):
 
 @answers("07.7")
 def by_inverse_distances(center, rim, corners, values, x):
-    """Constants come back and linear fields do not: these are means by inverse distance. The
+    """Constants are reproduced, linear fields are not: these are means by inverse distance. The
     weights in (7.8) are the coordinates you wrote.
     """
     return normalised(1 / np.linalg.norm(corners - x[:, None], axis=2)) @ values
@@ -560,8 +662,8 @@ def quotients_again(center, rim, x):
 
 @answers("07.8")
 def all_factors_kept(center, rim, x):
-    """The product has all factors, so it is the same for all corners, and only the areas are
-    left; on an edge nothing is. Which two factors does (7.10) leave out?
+    """The product contains all factors, so it is the same for all corners and cancels. Which two
+    factors are omitted in (7.10)?
     """
     h = distances_to_edges(center, rim, x).prod(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -570,8 +672,8 @@ def all_factors_kept(center, rim, x):
 
 @answers("07.8")
 def own_factors_above(center, rim, x):
-    """The two factors that belong below the line in (7.5) now stand above it. A corner would lose
-    weight as its edges come near. In (7.10) the product is over the others.
+    """The product contains the two factors of the corner itself. In (7.10) it contains all the
+    other factors.
     """
     h = distances_to_edges(center, rim, x)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -580,8 +682,8 @@ def own_factors_above(center, rim, x):
 
 @answers("07.8")
 def one_factor_too_many(center, rim, x):
-    """Only one factor is left out for each corner, but two edges meet there, and one of them
-    still makes the corner vanish on it. See the index below the product of (7.10).
+    """Only one factor is omitted for each corner, but two edges meet there. See the index of the
+    product in (7.10).
     """
     h = distances_to_edges(center, rim, x)
     c = [np.delete(h, a, axis=1).prod(axis=1) for a in range(len(rim))]
@@ -591,8 +693,8 @@ def one_factor_too_many(center, rim, x):
 
 @answers("07.8")
 def factors_left_out_before(center, rim, x):
-    """The factors left out are those of the neighbour itself and of the one before. The corner
-    number a lies between the neighbours a and a + 1.
+    """The omitted factors are those of neighbour a and of the one before. Corner a belongs to the
+    neighbours a and a + 1.
     """
     h = distances_to_edges(center, rim, x)
     n = len(rim)
@@ -602,8 +704,8 @@ def factors_left_out_before(center, rim, x):
 
 @answers("07.8")
 def areas_left_out(center, rim, x):
-    """The areas are missing. In a regular cell they are equal and cancel; in others linear fields
-    are lost. What stands before the product of (7.10)?
+    """The areas are missing. In a regular cell they are equal and cancel, in others linear fields
+    are not reproduced. What is the factor before the product of (7.10)?
     """
     return normalised(
         products(center, rim, x, distances_to_edges(center, rim, x), np.ones(len(rim)))
@@ -612,16 +714,16 @@ def areas_left_out(center, rim, x):
 
 @answers("07.8")
 def half_left_out(center, rim, x):
-    """h vanishes on a line through the neighbour instead of half-way to it: the half of (7.9) is
-    missing, and the cell comes out too large.
+    """h vanishes on a line through the neighbour instead of halfway to it: the factor ½ of (7.9) is
+    missing.
     """
     return normalised(products(center, rim, x, distances_to_edges(center, rim, x, 1.0)))
 
 
 @answers("07.8")
 def lengths_in_place_of_squares(center, rim, x):
-    """Half of the length of a spoke stands where half of its square belongs. Both terms of (7.9)
-    must be areas; yours change their proportion with the unit of length.
+    """Half of a length is used in place of half of its square. Both terms of (7.9) must have the
+    unit of an area.
     """
     spokes = rim - center
     h = 0.5 * np.linalg.norm(spokes, axis=1) - (x - center) @ spokes.T
@@ -630,8 +732,8 @@ def lengths_in_place_of_squares(center, rim, x):
 
 @answers("07.8")
 def true_distances(center, rim, x):
-    """Here h is the distance to the edge, divided by the length of the spoke, while the areas are
-    those of (7.10). Each spoke is missing from all corners but two, so the lengths do not cancel.
+    """Here h is the distance to the edge, with unit normals, while the areas are those of (7.10).
+    The length of each edge is omitted in two products only, so the lengths do not cancel.
     """
     h = distances_to_edges(center, rim, x) / np.linalg.norm(rim - center, axis=1)
     return normalised(products(center, rim, x, h))
@@ -639,7 +741,7 @@ def true_distances(center, rim, x):
 
 @answers("07.8")
 def place_from_the_origin(center, rim, x):
-    """The place is taken from the origin: right only for a vertex there. (7.9) has two
+    """The point is taken from the origin: right only for a vertex there. (7.9) has two
     differences, both from the vertex.
     """
     spokes = rim - center
@@ -649,7 +751,45 @@ def place_from_the_origin(center, rim, x):
 
 @answers("07.8")
 def sum_forgotten(center, rim, x):
-    """The products have not been divided by their sum, so a constant does not come back. The
+    """The products have not been divided by their sum, so a constant is not reproduced. The
     first half of (7.10) is still to do.
     """
     return products(center, rim, x, distances_to_edges(center, rim, x)) / 2
+
+
+@answers("07.8", named=False)
+def no_height_is_negative(center, rim, x):
+    """Outside the cell some h are negative; here their absolute values were taken."""
+    return normalised(products(center, rim, x, positive(distances_to_edges(center, rim, x))))
+
+
+@answers("07.8", named=False)
+def no_coordinate_is_negative(center, rim, x):
+    """Outside the cell some coordinates are negative; here they were replaced by zero."""
+    c = products(center, rim, x, distances_to_edges(center, rim, x))
+    return normalised(np.maximum(c, 0))
+
+
+def by_quotients(center, rim, h):
+    with np.errstate(all="ignore"):
+        return normalised(double_areas(center, rim) / (h * np.roll(h, -1, axis=1)))
+
+
+@answers("07.8", named=False)
+def zeros_replaced_by_a_tiny_number(center, rim, x):
+    """The quotients are still there; two tiny factors have the product zero in a corner."""
+    h = distances_to_edges(center, rim, x)
+    return by_quotients(center, rim, np.where(h == 0, 1e-300, h))
+
+
+@answers("07.8", named=False)
+def a_small_number_added(center, rim, x):
+    """The quotients are still there; in a small cell the number added is not small."""
+    return by_quotients(center, rim, distances_to_edges(center, rim, x) + 1e-12)
+
+
+@answers("07.8", named=False)
+def small_heights_replaced(center, rim, x):
+    """The quotients are still there; in a small cell all h are below this absolute bound."""
+    h = distances_to_edges(center, rim, x)
+    return by_quotients(center, rim, np.where(np.abs(h) < 1e-14, 1e-14, h))

@@ -29,8 +29,8 @@ def right_weights(center, neighbors, cells, corners, x):
 
 @answers("08.1")
 def sign_kept(a, b, c, d):
-    """The size is right, but the sign tells in which order the corners are listed. A volume is
-    positive, and (8.3) has bars.
+    """The absolute value is right, but the sign depends on the order of the corners. A volume is
+    positive; (8.3) has an absolute value.
     """
     return np.linalg.det([b - a, c - a, d - a]) / 6
 
@@ -78,19 +78,26 @@ def angles_forgotten(a, b, c, d):
 # 08.2
 
 
+@answers("08.2", named=False)
+def differences_of_squares(a, b, c, d):
+    """Far from the origin the differences of squared coordinates lose digits."""
+    p = np.array([a, b, c, d])
+    squares = (p**2).sum(axis=1)
+    return np.linalg.solve(2 * (p[1:] - p[:-1]), squares[1:] - squares[:-1])
+
+
 @answers("08.2")
 def centroid(a, b, c, d):
-    """This is the centroid, the mean of the corners, which is not equally far from them. In a
-    mesh the lines between centroids are not perpendicular to the faces, and the whole proof rests
-    on that.
+    """This is the centroid, the mean of the corners. In general it does not have the same distance
+    from all corners, which is what (8.4) requires.
     """
     return (a + b + c + d) / 4
 
 
 @answers("08.2")
 def half_forgotten(a, b, c, d):
-    """The point is twice as far from the corner as it should be: something stands before the
-    square on the right of (8.4).
+    """The point is twice as far from the first corner as it should be. Look at the factor on the
+    right side of (8.4).
     """
     edges = np.array([b - a, c - a, d - a])
     return a + np.linalg.solve(edges, (edges**2).sum(axis=1))
@@ -98,8 +105,8 @@ def half_forgotten(a, b, c, d):
 
 @answers("08.2")
 def not_moved_back(a, b, c, d):
-    """This is the way from the first corner to the circumcentre. The unknown of (8.4) is a
-    difference; what has to be done at the end?
+    """This is the circumcentre relative to the first corner. The unknown of (8.4) is a difference;
+    which step is missing?
     """
     edges = np.array([b - a, c - a, d - a])
     return np.linalg.solve(edges, (edges**2).sum(axis=1) / 2)
@@ -107,8 +114,8 @@ def not_moved_back(a, b, c, d):
 
 @answers("08.2")
 def lengths_not_squared(a, b, c, d):
-    """On the right of the equations stand lengths, where (8.4) has their squares: both sides must
-    be areas.
+    """The right side of the equations contains lengths, where (8.4) has their squares. Look at the
+    units of both sides.
     """
     edges = np.array([b - a, c - a, d - a])
     return a + np.linalg.solve(edges, np.linalg.norm(edges, axis=1) / 2)
@@ -125,8 +132,8 @@ def of_one_face(a, b, c, d):
 
 @answers("08.2")
 def equations_in_columns(a, b, c, d):
-    """The edges stand in the columns of the matrix, so other equations are solved. In (8.4) each
-    edge is multiplied with the unknown: each is a row.
+    """The matrix is transposed. Each equation of (8.4) belongs to one edge, so each edge is a row
+    of the matrix.
     """
     edges = np.array([b - a, c - a, d - a])
     return a + np.linalg.solve(edges.T, (edges**2).sum(axis=1) / 2)
@@ -154,8 +161,8 @@ def lengths_left_in(center, tips):
 
 @answers("08.4")
 def a_sixth_of_it(center, tips):
-    """This is the volume of the tetrahedron over the three normals. (8.1) takes the whole
-    parallelepiped: a determinant and nothing else.
+    """This is the volume of the tetrahedron of the three normals. In (8.1) it is the volume of the
+    parallelepiped, the determinant itself.
     """
     n = tips - center
     return abs(np.linalg.det(n / np.linalg.norm(n, axis=1)[:, None])) / 6
@@ -193,16 +200,16 @@ def normals_of_the_tetrahedron(center, tips):
 
 @answers("08.7")
 def volumes_dropped(center, neighbors, cells, corners, x):
-    """The volumes are missing. In a regular star they are equal and nobody would notice;
-    elsewhere linear fields are lost. What stands above in (8.2)?
+    """The volumes are missing. In a regular cell they are equal, elsewhere linear fields are not
+    reproduced. What is the numerator of (8.2)?
     """
     return 1 / factors(center, neighbors, cells, corners, x).prod(axis=1)
 
 
 @answers("08.7")
 def six_dropped(center, neighbors, cells, corners, x):
-    """These are sixths of the weights. The coordinates would come out right, since a common factor
-    cancels, but (8.2) has it, and the proof shows where it comes from.
+    """These are sixths of the weights. The coordinates would be right, since a common factor
+    cancels. But (8.2) has this factor, and question 08.5 derives it.
     """
     return right_weights(center, neighbors, cells, corners, x) / 6
 
@@ -215,7 +222,7 @@ def two_as_in_the_plane(center, neighbors, cells, corners, x):
 
 @answers("08.7")
 def sign_of_the_determinant(center, neighbors, cells, corners, x):
-    """The sizes are right and some weights are negative: those of tetrahedra listed the other way
+    """The sizes are right, some signs are wrong: those of tetrahedra listed the other way
     round. Their sum is then wrong too, and all coordinates with it. A volume has no sign.
     """
     w = right_weights(center, neighbors, cells, corners, x)
@@ -224,8 +231,8 @@ def sign_of_the_determinant(center, neighbors, cells, corners, x):
 
 @answers("08.7")
 def third_neighbour_forgotten(center, neighbors, cells, corners, x):
-    """Only two factors stand below the line. In space three faces meet in a corner, and each
-    tetrahedron has three neighbours besides the vertex.
+    """The denominator has two factors only. In space three faces meet in a corner, and each
+    tetrahedron has three vertices besides the central one.
     """
     below = factors(center, neighbors, cells, corners, x)[:, :2]
     return six_volumes(center, neighbors, cells) / below.prod(axis=1)
@@ -242,8 +249,8 @@ def product_over_all_neighbours(center, neighbors, cells, corners, x):
 
 @answers("08.7")
 def first_neighbours_for_all(center, neighbors, cells, corners, x):
-    """Below stand the factors of the first three neighbours, the same for every tetrahedron.
-    `cells` holds the numbers of the right ones.
+    """The denominators have the factors of the first three neighbours, the same for every
+    tetrahedron. A row of `cells` contains the indices of the right ones.
     """
     below = ((corners - x) @ (neighbors[:3] - center).T).prod(axis=1)
     return six_volumes(center, neighbors, cells) / below
@@ -251,8 +258,8 @@ def first_neighbours_for_all(center, neighbors, cells, corners, x):
 
 @answers("08.7")
 def normals_of_length_one_below(center, neighbors, cells, corners, x):
-    """Below the line the normals have length one, as in (8.1), and above stands six times the
-    volume, as in (8.2). The lengths cancel only if they are left out of both, or kept in both.
+    """The denominator has unit normals, as in (8.1), and the numerator has six times the volume, as
+    in (8.2). The lengths cancel only if both are treated alike.
     """
     lengths = np.linalg.norm(spokes_of(center, neighbors, cells), axis=2).prod(axis=1)
     return right_weights(center, neighbors, cells, corners, x) * lengths
@@ -260,8 +267,8 @@ def normals_of_length_one_below(center, neighbors, cells, corners, x):
 
 @answers("08.7")
 def spokes_from_the_origin(center, neighbors, cells, corners, x):
-    """The neighbours themselves stand below, not the ways to them from the vertex: right only for
-    a vertex at the origin. Which differences does (8.2) have?
+    """The denominator has the neighbours themselves instead of their differences from the vertex.
+    It is right only for a vertex at the origin.
     """
     below = np.einsum("abk,ak->ab", neighbors[cells], corners - x).prod(axis=1)
     return six_volumes(center, neighbors, cells) / below
@@ -269,7 +276,7 @@ def spokes_from_the_origin(center, neighbors, cells, corners, x):
 
 @answers("08.7")
 def spokes_from_the_place(center, neighbors, cells, corners, x):
-    """The edges begin at the place x, where they should begin at the vertex: the normals of a
+    """The edges begin at the point x, where they should begin at the vertex: the normals of a
     cell do not depend on where it is looked at.
     """
     below = np.einsum("abk,ak->ab", neighbors[cells] - x, corners - x).prod(axis=1)
@@ -278,16 +285,16 @@ def spokes_from_the_place(center, neighbors, cells, corners, x):
 
 @answers("08.7")
 def from_the_vertex_not_the_place(center, neighbors, cells, corners, x):
-    """These weights do not depend on the place: the way to the corner was taken from the vertex.
-    Where is x in (8.2)?
+    """These weights do not depend on the point: the corners are taken relative to the vertex. Where
+    is x in (8.2)?
     """
     return right_weights(center, neighbors, cells, corners, center)
 
 
 @answers("08.7")
 def sum_below(center, neighbors, cells, corners, x):
-    """Below the line the three factors have been added. A corner gains weight as the place comes
-    near any one of its faces, so one small factor has to suffice.
+    """The three factors of the denominator were added. In (8.2) they are multiplied, so that one
+    small factor suffices for a large weight.
     """
     below = factors(center, neighbors, cells, corners, x).sum(axis=1)
     return six_volumes(center, neighbors, cells) / below
@@ -295,19 +302,25 @@ def sum_below(center, neighbors, cells, corners, x):
 
 @answers("08.7")
 def place_minus_corner(center, neighbors, cells, corners, x):
-    """All weights are negative: the difference below the line is the wrong way round. In the
-    plane two such signs cancel, in space three do not.
+    """All weights have the wrong sign: the differences in the denominator are x − p. In the plane
+    two such signs cancel, in space three do not.
     """
     return -right_weights(center, neighbors, cells, corners, x)
 
 
 @answers("08.7")
 def divided_by_the_sum(center, neighbors, cells, corners, x):
-    """These are coordinates already: the weights divided by their sum. Asked for are the weights
-    of (8.2) themselves.
+    """These are coordinates: the weights divided by their sum. Here the weights (8.2) themselves
+    are required.
     """
     w = right_weights(center, neighbors, cells, corners, x)
     return w / w.sum()
+
+
+@answers("08.7", named=False)
+def size_of_the_weights(center, neighbors, cells, corners, x):
+    """Outside the cell some weights are negative; here all of them are positive."""
+    return np.abs(right_weights(center, neighbors, cells, corners, x))
 
 
 # 08.8
@@ -315,8 +328,8 @@ def divided_by_the_sum(center, neighbors, cells, corners, x):
 
 @answers("08.8")
 def half_left_out(center, neighbors, x):
-    """The half is missing: this height vanishes on a plane through the neighbour, and not
-    half-way to it. The cell would be twice as large.
+    """The factor ½ is missing: this height vanishes on a plane through the neighbour instead of
+    halfway to it.
     """
     s = neighbors - center
     return (s**2).sum(axis=1)[:, None] - s @ (x - center).T
@@ -324,8 +337,8 @@ def half_left_out(center, neighbors, x):
 
 @answers("08.8")
 def lengths_in_place_of_squares(center, neighbors, x):
-    """Half of the length stands where half of its square belongs. Both terms of (8.5) must be
-    areas.
+    """Half of a length is used in place of half of its square. Both terms of (8.5) must have the
+    unit of an area.
     """
     s = neighbors - center
     return np.linalg.norm(s, axis=1)[:, None] / 2 - s @ (x - center).T
@@ -333,7 +346,7 @@ def lengths_in_place_of_squares(center, neighbors, x):
 
 @answers("08.8")
 def place_from_the_origin(center, neighbors, x):
-    """The place is taken from the origin: right only for a vertex there. (8.5) has a difference
+    """The point is taken from the origin: right only for a vertex there. (8.5) has a difference
     on the right as well.
     """
     s = neighbors - center
@@ -399,8 +412,8 @@ def quotients_again(center, neighbors, cells, x):
 
 @answers("08.10")
 def own_heights_above(center, neighbors, cells, x):
-    """The three heights that belong below the line in (8.2) now stand above it, so a corner loses
-    weight as its faces come near. The product of (8.6) is over the others.
+    """The product contains the three heights of the corner itself. In (8.6) it contains all the
+    other heights.
     """
     h = right_heights(center, neighbors, x)
     return normalised(six_volumes(center, neighbors, cells)[:, None] * h[cells].prod(axis=1))
@@ -427,8 +440,8 @@ def all_heights_kept(center, neighbors, cells, x):
 
 @answers("08.10")
 def volumes_left_out(center, neighbors, cells, x):
-    """The volumes are missing. In a regular cell they are equal and cancel; in others linear
-    fields are lost. What stands before the product of (8.6)?
+    """The volumes are missing. In a regular cell they are equal and cancel, in others linear fields
+    are not reproduced. What is the factor before the product of (8.6)?
     """
     c = products(center, neighbors, cells, right_heights(center, neighbors, x))
     return normalised(c / six_volumes(center, neighbors, cells)[:, None])
@@ -436,7 +449,7 @@ def volumes_left_out(center, neighbors, cells, x):
 
 @answers("08.10")
 def sum_forgotten(center, neighbors, cells, x):
-    """The products have not been divided by their sum, so a constant does not come back. The
+    """The products have not been divided by their sum, so a constant is not reproduced. The
     first half of (8.6) is still to do.
     """
     return (products(center, neighbors, cells, right_heights(center, neighbors, x)) / 6).T
@@ -444,7 +457,7 @@ def sum_forgotten(center, neighbors, cells, x):
 
 @answers("08.10")
 def sum_over_the_places(center, neighbors, cells, x):
-    """The products were summed over the places instead of over the corners. Each place needs a
+    """The products were summed over the points instead of over the corners. Each point needs a
     sum of its own: which axis is to be summed?
     """
     c = products(center, neighbors, cells, right_heights(center, neighbors, x))
@@ -454,9 +467,49 @@ def sum_over_the_places(center, neighbors, cells, x):
 
 @answers("08.10")
 def heights_of_unit_normals(center, neighbors, cells, x):
-    """The heights are true distances here, divided by the length of the edge, while the volumes
-    are those of (8.6). Each length is missing from all corners but those of its face, so it does
-    not cancel.
+    """The heights are true distances here, with unit normals, while the volumes are those of (8.6).
+    The length of each edge is omitted only in the corners of its face, so the lengths do not
+    cancel.
     """
     h = right_heights(center, neighbors, x) / np.linalg.norm(neighbors - center, axis=1)[:, None]
     return normalised(products(center, neighbors, cells, h))
+
+
+@answers("08.10", named=False)
+def no_height_is_negative(center, neighbors, cells, x):
+    """Outside the cell some heights are negative; here their absolute values were taken."""
+    return normalised(
+        products(center, neighbors, cells, np.abs(right_heights(center, neighbors, x)))
+    )
+
+
+@answers("08.10", named=False)
+def no_coordinate_is_negative(center, neighbors, cells, x):
+    """Outside the cell some coordinates are negative; here they were replaced by zero."""
+    c = products(center, neighbors, cells, right_heights(center, neighbors, x))
+    return normalised(np.maximum(c, 0))
+
+
+def by_quotients(center, neighbors, cells, h):
+    with np.errstate(all="ignore"):
+        return normalised(six_volumes(center, neighbors, cells)[:, None] / h[cells].prod(axis=1))
+
+
+@answers("08.10", named=False)
+def a_small_number_added(center, neighbors, cells, x):
+    """The quotients are still there; in a small cell the number added is not small."""
+    return by_quotients(center, neighbors, cells, right_heights(center, neighbors, x) + 1e-13)
+
+
+@answers("08.10", named=False)
+def small_heights_replaced(center, neighbors, cells, x):
+    """The quotients are still there; in a small cell all h are below this absolute bound."""
+    h = right_heights(center, neighbors, x)
+    return by_quotients(center, neighbors, cells, np.where(np.abs(h) < 1e-14, 1e-14, h))
+
+
+@answers("08.10", named=False)
+def zeros_replaced_by_a_tiny_number(center, neighbors, cells, x):
+    """The quotients are still there; tiny factors have the product zero in a corner."""
+    h = right_heights(center, neighbors, x)
+    return by_quotients(center, neighbors, cells, np.where(h == 0, 1e-300, h))

@@ -37,7 +37,7 @@ def bordered(a, p):
 
 @answers("09.1")
 def degree_of_each_variable(points, degree):
-    """Each exponent goes up to the degree by itself, so that products such as x²y² are among the
+    """Each exponent alone runs up to the degree, so that products such as x²y² are among the
     columns. The degree of a monomial is the sum of its exponents. Compare the number Q in (9.4).
     """
     return basis(points, [(a, b) for a in range(degree + 1) for b in range(degree + 1)])
@@ -45,16 +45,16 @@ def degree_of_each_variable(points, degree):
 
 @answers("09.1")
 def constant_forgotten(points, degree):
-    """The column of ones is missing. The constant is a polynomial too, of the degree zero, and
-    for the order one it is the only one that counts. Which exponents does it have in (9.4)?
+    """The column of ones is missing. The constant is the polynomial of degree zero. Which exponents
+    does it have in (9.4)?
     """
     return basis(points, [pair for pair in pairs_up_to(degree) if sum(pair) > 0])
 
 
 @answers("09.1")
 def highest_degree_only(points, degree):
-    """Only the monomials whose exponents sum to the degree exactly are there. (9.4) has all of
-    lower degree as well; without them a shift of the origin would change the space.
+    """Only the monomials whose exponents sum to exactly the degree are present. (9.4) has those of
+    lower degree as well.
     """
     return basis(points, [pair for pair in pairs_up_to(degree) if sum(pair) == degree])
 
@@ -77,9 +77,8 @@ def no_mixed_products(points, degree):
 
 @answers("09.1")
 def a_row_for_each_polynomial(points, degree):
-    """The matrix is the transpose of what is asked for: a row for each monomial. In (9.3) P
-    stands to the right of A and has as many rows as there are points. Some texts print it the
-    other way round by mistake.
+    """This is the transpose of the required matrix: it has a row for each monomial. In (9.3) P has
+    a row for each point.
     """
     return full(points, degree).T
 
@@ -116,9 +115,8 @@ def conditions_ignored(a, p):
 
 @answers("09.2")
 def eigenvalue_of_the_whole_system(a, p):
-    """This is the least eigenvalue of the matrix of (9.3). That one always has negative
-    eigenvalues, as many as there are conditions, however good the kernel is. (9.6) is about A on
-    a subspace.
+    """This is the smallest eigenvalue of the matrix of (9.3), which has as many negative
+    eigenvalues as there are conditions, for any kernel. (9.6) is about A on a subspace.
     """
     return np.linalg.eigvalsh(bordered(a, p))[0]
 
@@ -135,8 +133,8 @@ def columns_counted(a, p):
 
 @answers("09.2")
 def on_the_wrong_subspace(a, p):
-    """The form was taken on the columns of P and not on what is orthogonal to them. Which λ satisfy
-    Pᵀλ = 0, those that are combinations of the columns or the others?
+    """The form was taken on the columns of P instead of on the vectors orthogonal to them. Which λ
+    satisfy Pᵀλ = 0?
     """
     z = complement(p)[0]
     return np.linalg.eigvalsh(z.T @ a @ z)[0]
@@ -164,8 +162,8 @@ def largest_of_them(a, p):
 
 @answers("09.2")
 def smallest_in_size(a, p):
-    """This is the eigenvalue nearest to zero. Least means furthest to the left: a large negative
-    one is what shows that the conditions are too few.
+    """This is the eigenvalue with the smallest absolute value. The form is indefinite if one
+    eigenvalue is negative, so the sign matters.
     """
     z = complement(p)[1]
     spectrum = np.linalg.eigvalsh(z.T @ a @ z)
@@ -183,6 +181,24 @@ def zeros_of_the_projection(a, p):
     return np.linalg.eigvalsh(k @ a @ k)[0]
 
 
+def on_the_complement(a, p, rank):
+    z = np.linalg.svd(p)[0][:, rank:]
+    return np.linalg.eigvalsh(z.T @ a @ z)[0]
+
+
+@answers("09.2", named=False)
+def coarse_relative_tolerance(a, p):
+    """Conditions whose singular value is small, but not zero, are ignored."""
+    s = np.linalg.svd(p, compute_uv=False)
+    return on_the_complement(a, p, int((s > 1e-2 * s.max(initial=0.0)).sum()))
+
+
+@answers("09.2", named=False)
+def absolute_tolerance(a, p):
+    """Conditions with small numbers are ignored because the tolerance is absolute."""
+    return on_the_complement(a, p, int((np.linalg.svd(p, compute_uv=False) > 1e-6).sum()))
+
+
 # 09.3 Polynomials that vanish
 
 
@@ -191,16 +207,22 @@ def rank_of(p, tolerance=1e-9):
     return int((s > tolerance * s.max(initial=0.0)).sum())
 
 
+def own_box(points):
+    away = points - points.mean(axis=0)
+    return away / max(np.abs(away).max(), 1e-300)
+
+
 def space(degree):
     return (degree + 1) * (degree + 2) // 2
 
 
 @answers("09.3")
 def rank_itself(points, degree):
-    """This is the rank of P: how many conditions are independent. Asked for is how many polynomials
-    satisfy all of them, other than zero. The two numbers add up to something.
+    """This is the rank of P, the number of independent conditions. The question asks for the
+    dimension of the space of polynomials that satisfy all of them. The two numbers have a simple
+    sum.
     """
-    return rank_of(full(points, degree))
+    return rank_of(full(own_box(points), degree), 1e-10)
 
 
 @answers("09.3")
@@ -217,24 +239,75 @@ def relations_between_the_points(points, degree):
     """The rank was subtracted from the number of points. This counts how many λ satisfy the side
     conditions; polynomials have as many coefficients as P has columns.
     """
-    return len(points) - rank_of(full(points, degree))
+    return len(points) - rank_of(full(own_box(points), degree), 1e-10)
 
 
 @answers("09.3")
-def fixed_tolerance(points, degree):
-    """The tolerance is an absolute one. In a small box the squares of coordinates are small
-    numbers though the points are in general position; what is small has to be compared with the
-    largest singular value.
+def neither_shifted_nor_scaled(points, degree):
+    """In a small box, and far from the origin, too many polynomials seem to vanish. There the
+    monomials are tiny, or nearly multiples of each other. Shift and scale the points first.
     """
-    return space(degree) - int((np.linalg.svd(full(points, degree), compute_uv=False) > 1e-3).sum())
+    return space(degree) - rank_of(full(points, degree), 1e-10)
+
+
+@answers("09.3")
+def nearly_vanishing_counted(points, degree):
+    """Polynomials that nearly vanish at the points are counted, too. Only singular values below
+    10⁻¹⁰ times the largest one count as zero.
+    """
+    return space(degree) - rank_of(full(own_box(points), degree), 1e-5)
+
+
+@answers("09.3")
+def small_singular_values_counted(points, degree):
+    """With fewer points than monomials your number is too small. P has only N singular values then,
+    and each column beyond N adds one polynomial that vanishes.
+    """
+    p = full(own_box(points), degree)
+    return min(p.shape) - rank_of(p, 1e-10)
+
+
+def rank_above(points, degree, tolerance):
+    return int((np.linalg.svd(full(points, degree), compute_uv=False) > tolerance).sum())
+
+
+@answers("09.3", named=False)
+def fixed_tolerance(points, degree):
+    """An absolute tolerance: what is small depends on the unit of length."""
+    return space(degree) - rank_above(points, degree, 1e-3)
+
+
+@answers("09.3", named=False)
+def smaller_fixed_tolerance(points, degree):
+    """An absolute tolerance: what is small depends on the unit of length."""
+    return space(degree) - rank_above(points, degree, 1e-6)
+
+
+@answers("09.3", named=False)
+def tiny_fixed_tolerance(points, degree):
+    """An absolute tolerance: what is small depends on the unit of length."""
+    return space(degree) - rank_above(points, degree, 1e-9)
+
+
+@answers("09.3", named=False)
+def small_eigenvalues_of_the_normal_matrix(points, degree):
+    """An absolute tolerance for squares of singular values, without shifting and scaling."""
+    p = full(points, degree)
+    return int((np.linalg.eigvalsh(p.T @ p) < 1e-12).sum())
+
+
+@answers("09.3", named=False)
+def relative_but_coarse_and_not_scaled(points, degree):
+    """The tolerance is relative, but coarse, and the points are neither shifted nor scaled."""
+    return space(degree) - rank_of(full(points, degree), 1e-5)
 
 
 @answers("09.3")
 def lines_only(points, degree):
-    """This asks whether the points lie on a line, whatever the degree. A quadratic can also
-    vanish on an ellipse, and a cubic on more. Use the monomials of the given degree.
+    """This tests whether the points lie on a line, for any degree. A quadratic polynomial can also
+    vanish on an ellipse. Use the monomials of the given degree.
     """
-    return 3 - rank_of(full(points, 1))
+    return 3 - rank_of(full(own_box(points), 1), 1e-10)
 
 
 @answers("09.3")
@@ -242,7 +315,7 @@ def yes_or_no(points, degree):
     """This says whether there is one, as zero or one. There may be several independent ones; as
     many as the rank falls short of the number of monomials.
     """
-    return int(rank_of(full(points, degree)) < space(degree))
+    return int(rank_of(full(own_box(points), degree), 1e-10) < space(degree))
 
 
 # 09.4 The field
@@ -259,42 +332,42 @@ def solved(points, values, k, degree, x, ridge=0.0, corner=0.0):
 
 @answers("09.4")
 def bumps_alone(points, values, k, degree, x):
-    """Only A λ = v was solved: there is no polynomial, and no side condition. For these kernels
-    such a matrix may be singular at distinct points, as in the first picture. Which blocks of
-    (9.3) are missing?
+    """Only A λ = v was solved, without a polynomial and without side conditions. For these kernels
+    the matrix may be singular at distinct points, as in the first picture. Which blocks of (9.3)
+    are missing?
     """
     return phi(gaps(x, points), k) @ np.linalg.solve(phi(gaps(points, points), k), values)
 
 
 @answers("09.4")
 def polynomial_not_evaluated(points, values, k, degree, x):
-    """The coefficients are those of (9.3), but only the bumps are added up at x. The polynomial
-    is the second sum in (9.2); without it the values are missed.
+    """The coefficients are those of (9.3), but only the kernels are summed at x. The polynomial,
+    the second sum in (9.2), is missing.
     """
     return solved(points, values, k, degree, x)[0]
 
 
 @answers("09.4")
 def one_degree_less(points, values, k, degree, x):
-    """The polynomial has one degree less than asked for. The argument is the degree n, not the
-    order m; the smallest n that a kernel needs is m - 1.
+    """The polynomial has one degree less than the argument. The argument is the degree n, not the
+    order m; the smallest n that a kernel needs is m − 1.
     """
     return sum(solved(points, values, k, degree - 1, x))
 
 
 @answers("09.4")
 def always_linear(points, values, k, degree, x):
-    """The polynomial is a linear one whatever degree is asked for. That was the system of
-    notebook 03; here P has the monomials up to the degree n.
+    """The polynomial is linear for every degree. In notebook 03 this was right; here P has the
+    monomials up to the degree n.
     """
     return sum(solved(points, values, k, 1, x))
 
 
 @answers("09.4")
 def conditions_dropped(points, values, k, degree, x):
-    """The bumps and the polynomial go through the values, but the side conditions are not used:
-    there are more unknowns than equations, and the shortest of many solutions was taken. It
-    depends on the unit of length.
+    """The field interpolates the values, but the side conditions are not used. There are more
+    unknowns than equations, and the shortest of many solutions was taken, which depends on the unit
+    of length.
     """
     a = np.hstack([phi(gaps(points, points), k), full(points, degree)])
     unknown = np.linalg.lstsq(a, values, rcond=None)[0]
@@ -303,9 +376,8 @@ def conditions_dropped(points, values, k, degree, x):
 
 @answers("09.4")
 def polynomial_fitted_first(points, values, k, degree, x):
-    """First the polynomial was fitted by least squares, then bumps went through what it misses.
-    Their factors do not satisfy the side conditions, so nothing protects the second system. Both
-    parts come from one system.
+    """First a polynomial was fitted by least squares, then kernels interpolated the residual. Their
+    coefficients do not satisfy the side conditions. Both parts must come from one system.
     """
     p = full(points, degree)
     c = np.linalg.lstsq(p, values, rcond=None)[0]
@@ -315,9 +387,8 @@ def polynomial_fitted_first(points, values, k, degree, x):
 
 @answers("09.4")
 def made_definite_by_a_ridge(points, values, k, degree, x):
-    """Something was added to the diagonal of A. That makes a system easier to solve and the field
-    miss the values; it smooths, where it should interpolate. With the right order it is not
-    needed.
+    """A multiple of the identity was added to A. This smooths the data instead of interpolating
+    them. With the right order it is not needed.
     """
     return sum(solved(points, values, k, degree, x, ridge=1e-2))
 
@@ -349,8 +420,8 @@ def not_rounded_down(r, d, s):
 
 @answers("09.5")
 def never_cut_off(r, d, s):
-    """Beyond the distance 1 your function goes on, and it should be zero there: that makes the
-    matrix sparse. What does the small plus sign in (9.8) stand for?
+    """Beyond the distance 1 your function is not zero. A compact support makes the matrix sparse.
+    What does the plus sign in (9.8) mean?
     """
     ell = d // 2 + s + 1
     return (1 - r) ** (ell + s) * ((ell + 1) * r + 1 if s else 1)
@@ -358,7 +429,7 @@ def never_cut_off(r, d, s):
 
 @answers("09.5")
 def cut_off_by_size(r, d, s):
-    """The size of 1 - r was taken, not its positive part: the function comes back beyond 1. Look
+    """The size of 1 - r was taken, not its positive part: the function is not zero beyond 1. Look
     at what happens there for the distance 2.
     """
     ell = d // 2 + s + 1
@@ -376,8 +447,8 @@ def smoothness_not_in_ell(r, d, s):
 
 @answers("09.5")
 def dimension_not_halved(r, d, s):
-    """The whole number of variables stands in the exponent, and not half of it. The function is
-    positive definite, in far more variables than asked for, but it is narrower than (9.8).
+    """The exponent contains the number of variables instead of half of it. The function is positive
+    definite, but narrower than (9.8).
     """
     ell = d + s + 1
     return compact(r, ell + s, ell + 1, s)
@@ -393,9 +464,25 @@ def exponent_one_too_small(r, d, s):
 
 
 @answers("09.5")
+def half_rounded_up(r, d, s):
+    """Half of D was rounded up. For an even D the exponent is right, for an odd one it is too large
+    by one. What do the brackets in (9.8) mean?
+    """
+    ell = (d + 1) // 2 + s + 1
+    return compact(r, ell + s, ell + 1, s)
+
+
+@answers("09.5")
+def smoothness_missing_in_the_power(r, d, s):
+    """For s = 1 the exponent of 1 − r is ℓ. In (9.8) it is larger by one."""
+    ell = d // 2 + s + 1
+    return compact(r, ell, ell + 1, s)
+
+
+@answers("09.5")
 def factor_forgotten(r, d, s):
-    """For s = 1 the factor in the large brackets is missing. A power of 1 - r alone has a corner at
-    zero, whatever the power; the factor takes it away. What is its slope at zero with and without?
+    """For s = 1 the factor in the large brackets is missing. A power of 1 − r alone has a kink at
+    zero. What is the slope at zero, with and without the factor?
     """
     ell = d // 2 + s + 1
     return compact(r, ell + s, 0.0, s)
@@ -432,24 +519,24 @@ def in_radians(points):
 
 @answers("09.6")
 def part_of_a_whole_turn(points):
-    """The angle was divided by a whole turn. In (9.10) the points turn by π until the time 1,
-    which is half of it.
+    """The angle was divided by a full revolution. In (9.10) the points rotate by π between the
+    times 0 and 1.
     """
     return turned_by(points) % np.pi / (2 * np.pi)
 
 
 @answers("09.6")
 def clockwise(points):
-    """The points travel the wrong way round: this is the time for a clockwise turn. Look at the
-    signs in the matrix of (9.10), or at which angle is subtracted from which.
+    """This is the time for a clockwise turn, and (9.10) turns anticlockwise. Which angle is
+    subtracted from which? If you use `arctan2`, its first argument is the second coordinate.
     """
     return -turned_by(points) / np.pi % 1
 
 
 @answers("09.6")
 def not_the_same_line(points):
-    """Some of your times are not between 0 and 1. A line that has turned by π more, or less, is
-    the same line; the time belongs to the first time that it comes to the third point.
+    """Some of your times are not between 0 and 1. A line that is rotated by π is the same line, so
+    the time is determined up to whole numbers.
     """
     return turned_by(points) / np.pi
 
@@ -481,9 +568,7 @@ def as_near_as_each_other(points):
 
 @answers("09.6")
 def half_time(points):
-    """You return one half for all. At half time the two points stand across where they began;
-    whether the third one is on their line depends on where it is.
-    """
+    """You return one half for all inputs. The time depends on the direction of the third point."""
     return 0.5
 
 
@@ -507,8 +592,8 @@ def sides(x):
 
 @answers("09.7")
 def derivative_by_the_wrong_argument(x):
-    """The bumps of the slopes were derived by x and not by y: the second column of blocks has the
-    wrong sign, and the matrix is not symmetric. In φ(x - y) the derivative by y has a minus.
+    """The basis functions of the slopes are derivatives with respect to x instead of y: the second
+    block column has the wrong sign, and the matrix is not symmetric.
     """
     return bordered(blocks(x, of_slopes=1.0, second=6.0), sides(x))
 
@@ -531,8 +616,8 @@ def both_signs_the_same(x):
 
 @answers("09.7")
 def squares_without_sign(x):
-    """φ′ was taken as 3z². The derivative of |z|³ changes its sign with z: to the left of its point
-    the bump falls. That is what the factor |z| in 3z|z| is for.
+    """φ′ was taken as 3z². The derivative of |z|³ has the sign of z, which is the reason for the
+    factor |z| in 3z|z|.
     """
     z = x[:, None] - x[None, :]
     a = np.block([[abs(z) ** 3, -3 * z**2], [3 * z**2, -6 * abs(z)]])
@@ -575,9 +660,8 @@ def slopes_treated_as_values(x):
 
 @answers("09.7")
 def a_polynomial_for_each(x):
-    """There are four side conditions, two for the values and two for the slopes. There is one
-    polynomial c₀ + c₁x only; each of its two members has one condition, in which values and
-    slopes stand together.
+    """There are four side conditions, two for the values and two for the slopes. There is only one
+    polynomial c₀ + c₁x, so there are two conditions, each with values and slopes.
     """
     n = len(x)
     one = np.stack([np.ones(n), x], axis=1)
@@ -587,9 +671,8 @@ def a_polynomial_for_each(x):
 
 @answers("09.7")
 def point_by_point(x):
-    """Value and slope of each point stand side by side. That is the same system in another order,
-    but (9.12) has all values first, then all slopes, and who solves it splits the unknowns that
-    way.
+    """Value and slope of each point are adjacent. This is the same system in another order; (9.12)
+    has all values first, then all slopes.
     """
     n = len(x)
     order = [*np.arange(2 * n).reshape(2, n).T.ravel(), 2 * n, 2 * n + 1]

@@ -14,24 +14,24 @@ def converted(sites, alpha, beta, half=0.5, constant=-0.5, slope=1.5):
 
 @answers("10.1")
 def factors_not_halved(sites, alpha, beta):
-    """The line is right and the factors are twice too large. By (10.3) a truncated cube is half
-    of a cube of the distance, and half of a plain one.
+    """The line is right, and the coefficients are twice too large. By (10.3) a truncated cube is
+    half of the cube of the distance plus half of an ordinary cube.
     """
     return converted(sites, alpha, beta, half=1.0)
 
 
 @answers("10.1")
 def line_left_as_it_is(sites, alpha, beta):
-    """The factors are halved and the line was not touched. The halves of the plain cubes do not
-    vanish: their powers three and two drop out by (10.2), and the two others are a line.
+    """The coefficients are halved, but the line is unchanged. The halves of the ordinary cubes do
+    not vanish: their cubic and quadratic terms do by (10.2), and the other two terms form a line.
     """
     return alpha / 2, beta
 
 
 @answers("10.1")
 def line_not_halved(sites, alpha, beta):
-    """What was added to the line is twice too large: the rest is one half of the sum of the
-    cubes. Look at the factor in front of the bracket in (10.3).
+    """The change of the line is twice too large: the remainder is one half of the sum of the cubes.
+    Look at the factor in front of the bracket in (10.3).
     """
     return converted(sites, alpha, beta, constant=-1.0, slope=3.0)
 
@@ -62,8 +62,8 @@ def all_signs_plus(sites, alpha, beta):
 
 @answers("10.1")
 def constant_and_slope_exchanged(sites, alpha, beta):
-    """The two numbers of the line stand in the wrong order. In (10.4) the constant comes first,
-    as in β.
+    """The two numbers of the line are in the wrong order. In (10.4) the constant comes first, as in
+    β.
     """
     a, b = converted(sites, alpha, beta)
     return a, b[::-1]
@@ -91,9 +91,8 @@ def cube(z):
 
 @answers("10.2")
 def cubes_with_a_sign(sites, values):
-    """The cubes have the sign of x - y: they are polynomials, and a sum of them is one polynomial
-    of degree three. Through more than a few pins it cannot go. What do the bars in (10.5) stand
-    for?
+    """The cubes have the sign of x − y, so they are polynomials, and their sum is one polynomial of
+    degree three. What do the bars in (10.5) mean?
     """
     n = len(sites)
     h = np.zeros((n + 2, n + 2))
@@ -105,8 +104,8 @@ def cubes_with_a_sign(sites, values):
 
 @answers("10.2")
 def truncated_powers_instead(sites, values):
-    """These are the factors of truncated powers, twice as large, with the line before the first
-    site. They belong to (10.1); asked for are those of (10.4).
+    """These are the coefficients of truncated powers, with the line before the first site. They
+    belong to (10.1); the question asks for those of (10.4).
     """
     a, b = bumped(sites, values, cube, lines(sites))
     return 2 * a, np.array([b[0] + a @ sites**3, b[1] - 3 * a @ sites**2])
@@ -114,8 +113,9 @@ def truncated_powers_instead(sites, values):
 
 @answers("10.2")
 def constant_alone(sites, values):
-    """The polynomial is a constant only, and the slope was set to zero. Then the λ sum to zero,
-    but not when weighted by the sites, and outside the curve is a parabola. P has two columns.
+    """The polynomial is a constant only, and the slope was set to zero. Then the
+    coefficients a sum to zero, but their products with the sites do not, and the curve is not
+    straight outside. P has two columns.
     """
     a, b = bumped(sites, values, cube, np.ones((len(sites), 1)))
     return a, np.append(b, 0.0)
@@ -123,18 +123,24 @@ def constant_alone(sites, values):
 
 @answers("10.2")
 def no_line_at_all(sites, values):
-    """Only A a = f was solved. The curve goes through the values, but is not straight outside,
-    and bends more than it must. The side conditions are missing, and with them the line.
+    """Only A a = f was solved. The curve interpolates the values, but it is not straight outside.
+    The side conditions and the line are missing.
     """
     return np.linalg.solve(cube(sites[:, None] - sites), values), np.zeros(2)
 
 
 @answers("10.2")
 def distances_not_cubed(sites, values):
-    """The distances enter without the third power. That makes a broken line, which has a kink at
-    each pin. Which power of the distance has two continuous derivatives?
+    """The distances enter without the third power. Their sum is a broken line with a kink at each
+    site. Which power of the distance has two continuous derivatives?
     """
     return bumped(sites, values, np.abs, lines(sites))
+
+
+@answers("10.2", named=False)
+def thin_plate_of_squares(sites, values):
+    """The kernel is r² log r², which is twice the one of the plane."""
+    return bumped(sites, values, lambda z: z**2 * np.log(np.where(z == 0, 1, z**2)), lines(sites))
 
 
 @answers("10.2")
@@ -142,13 +148,15 @@ def thin_plate(sites, values):
     """The kernel is the one of the plane, r² log r. On the line the curve of least bending is made
     of cubes of distances. The kernel of least energy depends on the number of variables.
     """
-    return bumped(sites, values, lambda z: z**2 * np.log(np.where(z == 0, 1, z**2)), lines(sites))
+    return bumped(
+        sites, values, lambda z: z**2 * np.log(np.where(z == 0, 1, np.abs(z))), lines(sites)
+    )
 
 
 @answers("10.2")
 def line_fitted_first(sites, values):
-    """First a line was fitted by least squares, then cubes went through what it misses. This
-    meets the values, but not the side conditions: both parts have to come from one system.
+    """First a line was fitted by least squares, then cubes interpolated the residual. The side
+    conditions are violated: both parts must come from one system.
     """
     b = np.linalg.lstsq(lines(sites), values, rcond=None)[0]
     return np.linalg.solve(cube(sites[:, None] - sites), values - lines(sites) @ b), b
@@ -156,8 +164,8 @@ def line_fitted_first(sites, values):
 
 @answers("10.2")
 def slope_before_constant(sites, values):
-    """The slope stands before the constant: the columns of your P are in the other order. (10.4)
-    and those who use b have the constant first.
+    """The slope comes before the constant: the columns of your P are in the other order. In (10.4)
+    the constant comes first.
     """
     a, b = bumped(sites, values, cube, lines(sites))
     return a, b[::-1]
@@ -169,6 +177,15 @@ def sorted_without_the_values(sites, values):
     you sort one, sort the other with it; here there is no need to sort at all.
     """
     return bumped(np.sort(sites), values, cube, lines(np.sort(sites)))
+
+
+@answers("10.2")
+def coefficients_of_sorted_sites(sites, values):
+    """The coefficients a are those of the sorted sites. They must have the order of the argument;
+    no sorting is needed.
+    """
+    order = np.argsort(sites)
+    return bumped(sites[order], values[order], cube, lines(sites[order]))
 
 
 # 10.3 The moments
@@ -208,6 +225,22 @@ def steps_taken_as_equal(sites, values):
 
 
 @answers("10.3")
+def all_steps_like_the_first(sites, values):
+    """The length of the first interval was taken for all. Every row of (10.7) has the lengths of
+    its own two intervals.
+    """
+    return tridiagonal(sites[0] + (sites[1] - sites[0]) * np.arange(len(sites)), values)
+
+
+@answers("10.3")
+def right_side_not_multiplied_by_six(sites, values):
+    """All moments are a sixth of what they should be. If you multiply (10.7) by six, multiply its
+    right side as well.
+    """
+    return tridiagonal(sites, values) / 6
+
+
+@answers("10.3")
 def diagonal_halved(sites, values):
     """The numbers on the diagonal are half of what they should be. With a sixth everywhere the
     rows do not express that slopes agree. Compare the three denominators in (10.7).
@@ -227,8 +260,8 @@ def not_divided_by_the_steps(sites, values):
 
 @answers("10.3")
 def sign_of_the_right_side(sites, values):
-    """All moments have the wrong sign: on the right side the slopes are subtracted the wrong way
-    round. Where the pins form a valley, s″ is positive.
+    """All moments have the wrong sign: on the right side the slopes are subtracted in the wrong
+    order. Where the curve is a valley, s″ is positive.
     """
     return -tridiagonal(sites, values)
 
@@ -243,8 +276,8 @@ def slope_divided_by_two(sites, values):
 
 @answers("10.3")
 def ends_left_out(sites, values):
-    """The first and the last moment are missing. They are known to be zero, but they belong to
-    the answer, which has one number for each site.
+    """The first and the last moment are missing. They are zero, but the answer has one number for
+    each site.
     """
     return tridiagonal(sites, values)[1:-1]
 
@@ -292,16 +325,16 @@ def outside(sites, values, x, inside, slopes):
 
 @answers("10.4")
 def cubics_continued(sites, values, bends, x):
-    """Outside the outer cubics go on. That is what many programs do; there the curve bends more
-    and more, and is no natural spline. Beyond the last pin the rod is straight.
+    """Outside, the outer cubics are continued. A natural spline is straight before the first site
+    and after the last one.
     """
     return cubic(*located(sites, x), values, bends)
 
 
 @answers("10.4")
 def constant_outside(sites, values, bends, x):
-    """Outside the curve keeps the last value. It has a kink at the last pin then: a straight line
-    goes on with the slope of the piece as well.
+    """Outside, the curve keeps the last value, so it has a kink at the end. The line must have the
+    slope of the outer piece.
     """
     inside = cubic(*located(sites, x), values, bends)
     return outside(sites, values, x, inside, (0.0, 0.0))
@@ -309,8 +342,8 @@ def constant_outside(sites, values, bends, x):
 
 @answers("10.4")
 def slope_of_the_chord(sites, values, bends, x):
-    """Outside the line has the slope from pin to pin and not that of the curve at its end. So
-    there is a kink. Differentiate (10.6) at the end.
+    """Outside, the line has the slope of the chord of the outer interval instead of the slope of
+    the curve at its end. So there is a kink. Differentiate (10.6) at the end.
     """
     inside = cubic(*located(sites, x), values, bends)
     chords = np.diff(values) / np.diff(sites)
@@ -319,8 +352,8 @@ def slope_of_the_chord(sites, values, bends, x):
 
 @answers("10.4")
 def moments_not_used(sites, values, bends, x):
-    """This is the broken line through the pins. The large bracket in (10.6) is missing, which
-    bends it.
+    """This is the broken line through the values. The term of (10.6) with the moments is
+    missing.
     """
     i, _, u = located(sites, x)
     return (1 - u) * values[i] + u * values[i + 1]
@@ -328,8 +361,8 @@ def moments_not_used(sites, values, bends, x):
 
 @answers("10.4")
 def moments_exchanged(sites, values, bends, x):
-    """The moments of the two ends are exchanged: the one at the left site stands with the powers
-    of u. Which bracket in (10.6) has a second derivative at u = 0?
+    """The moments of the two ends are exchanged: the moment of the left site is multiplied by the
+    powers of u. Which bracket in (10.6) has a second derivative at u = 0?
     """
     i, h, u = located(sites, x)
     flipped = cubic(i, h, u, values, 0 * bends)
@@ -365,11 +398,45 @@ def sixth_forgotten(sites, values, bends, x):
 
 @answers("10.4")
 def zero_outside(sites, values, bends, x):
-    """Outside you return zero. The curve goes on there as a straight line, with the value and the
-    slope of the last piece.
+    """Outside, you return zero. There the curve is a straight line, with the value and the slope at
+    the end.
     """
     inside = cubic(*located(sites, x), values, bends)
     return np.where((x < sites[0]) | (x > sites[-1]), 0.0, inside)
+
+
+@answers("10.4", named=False)
+def moments_exchanged_outside_too(sites, values, bends, x):
+    """The moments of the two ends of a piece are exchanged, in the slopes at the ends, too."""
+    i, h, u = located(sites, x)
+    bent = ((1 - u) ** 3 - (1 - u)) * bends[i + 1] + (u**3 - u) * bends[i]
+    d, chords = np.diff(sites), np.diff(values) / np.diff(sites)
+    ends = chords[0] - d[0] / 3 * bends[1], chords[-1] + d[-1] / 3 * bends[-2]
+    inside = cubic(i, h, u, values, 0 * bends) + h * h / 6 * bent
+    return outside(sites, values, x, inside, ends)
+
+
+def right_piecewise(sites, values, bends, x):
+    inside = cubic(*located(sites, x), values, bends)
+    return outside(sites, values, x, inside, tangents(sites, values, bends))
+
+
+@answers("10.4")
+def values_in_ascending_order(sites, values, bends, x):
+    """The values are right for the sorted points, but not in the order of x. Each value must have
+    the index of its point.
+    """
+    return right_piecewise(sites, values, bends, np.sort(x))
+
+
+@answers("10.4")
+def left_then_inside_then_right(sites, values, bends, x):
+    """The values for the points on the left come first, then those inside, then those on the right.
+    Each value must have the index of its point in x.
+    """
+    s = right_piecewise(sites, values, bends, x)
+    left, right = x < sites[0], x > sites[-1]
+    return np.concatenate([s[left], s[~left & ~right], s[right]])
 
 
 # 10.5 Back to truncated powers
@@ -399,8 +466,8 @@ def jump_not_divided(sites, values, bends):
 
 @answers("10.5")
 def third_derivative_itself(sites, values, bends):
-    """These are the third derivatives to the right of each site, and not their jumps. In (10.1)
-    what has been added at former sites goes on; each factor is only the change.
+    """These are the third derivatives to the right of each site, and not their jumps. Each
+    coefficient in (10.1) is only the change.
     """
     line = first_line(sites, values, slope_at_left(sites, values, bends))
     return thirds(sites, bends)[1:] / 6, line
@@ -417,8 +484,8 @@ def jumps_the_wrong_way(sites, values, bends):
 
 @answers("10.5")
 def factors_of_the_distances(sites, values, bends):
-    """These are the factors of |x - y|³, half of those of truncated powers. The line is that of
-    (10.1). Here each term jumps by six times its factor; a cube of the distance jumps by twelve.
+    """These are the coefficients of |x − y|³, half of those of truncated powers. The line is that
+    of (10.1).
     """
     line = first_line(sites, values, slope_at_left(sites, values, bends))
     return np.diff(thirds(sites, bends)) / 12, line
@@ -426,8 +493,8 @@ def factors_of_the_distances(sites, values, bends):
 
 @answers("10.5")
 def chord_for_the_slope(sites, values, bends):
-    """The line has the slope from the first pin to the second. The curve is bent there, and
-    begins with another slope. Which term of (10.6) is missing in your derivative?
+    """The line has the slope of the chord from the first site to the second. The slope of the curve
+    differs from it. Which term of (10.6) is missing in your derivative?
     """
     slope = (values[1] - values[0]) / (sites[1] - sites[0])
     return np.diff(thirds(sites, bends)) / 6, first_line(sites, values, slope)
@@ -445,8 +512,8 @@ def third_instead_of_a_sixth(sites, values, bends):
 
 @answers("10.5")
 def value_for_the_constant(sites, values, bends):
-    """The constant is the value at the first pin. In (10.1) the line is β₀ + β₁x, so β₀ is its
-    value at x = 0, and the first pin is not there.
+    """The constant is the value at the first site. In (10.1) the line is β₀ + β₁x, so β₀ is its
+    value at x = 0.
     """
     slope = slope_at_left(sites, values, bends)
     return np.diff(thirds(sites, bends)) / 6, np.array([values[0], slope])
@@ -454,13 +521,20 @@ def value_for_the_constant(sites, values, bends):
 
 @answers("10.5")
 def nothing_happens_at_the_ends(sites, values, bends):
-    """At the first and the last site your factors are zero. The third derivative jumps there too,
-    from zero outside; without that the conditions (10.2) fail.
+    """At the first and the last site your coefficients are zero. The third derivative jumps there,
+    too: it is zero outside.
     """
     line = first_line(sites, values, slope_at_left(sites, values, bends))
     alpha = np.diff(thirds(sites, bends)) / 6
     alpha[[0, -1]] = 0
     return alpha, line
+
+
+@answers("10.5")
+def constant_and_slope_exchanged_here(sites, values, bends):
+    """The two numbers of the line are in the wrong order. In (10.1) the constant comes first."""
+    line = first_line(sites, values, slope_at_left(sites, values, bends))
+    return np.diff(thirds(sites, bends)) / 6, line[::-1]
 
 
 # 10.6 The energy
@@ -502,8 +576,8 @@ def mixed_term_doubled(sites, bends):
 
 @answers("10.6")
 def lengths_ignored(sites, bends):
-    """The lengths of the intervals are missing. A long piece with the same second derivative
-    bends more, and to cut an interval in two must not change the energy.
+    """The lengths of the intervals are missing. Dividing an interval into two must not change the
+    energy.
     """
     p, q = bends[:-1], bends[1:]
     return np.sum(p * p + p * q + q * q) / 3
@@ -524,6 +598,15 @@ def root_taken(sites, bends):
     """
     p, q = bends[:-1], bends[1:]
     return np.sqrt(np.diff(sites) @ (p * p + p * q + q * q) / 3)
+
+
+@answers("10.6")
+def half_of_the_energy(sites, bends):
+    """This is half of the energy. Mechanics has a factor ½ in front of the integral; (10.9) has
+    none.
+    """
+    p, q = bends[:-1], bends[1:]
+    return np.diff(sites) @ (p * p + p * q + q * q) / 6
 
 
 # 10.7 B-splines
@@ -599,8 +682,8 @@ def same_neighbour_twice(knots, degree, x):
 
 @answers("10.7")
 def knots_taken_as_whole_numbers(knots, degree, x):
-    """The denominators are k, as for knots that are whole numbers. These knots have any
-    distances; each quotient is divided by the length of the support of its function.
+    """The denominators are k, as for integer knots. In (10.12) each denominator is a difference of
+    two knots.
     """
     t, b = knots, steps(knots, x)
     for k in range(1, degree + 1):
@@ -637,8 +720,8 @@ def divided_by_the_support(knots, degree, x):
 
 @answers("10.7")
 def a_row_for_each_function(knots, degree, x):
-    """The matrix is turned round: a row for each function. Asked for is a row for each place, so
-    that the matrix times coefficients is a curve.
+    """The matrix is transposed: it has a row for each function. The question asks for a row for
+    each point, so that the matrix times coefficients is a curve.
     """
     return recursion(knots, degree, x, steps(knots, x)).T
 
@@ -649,3 +732,24 @@ def one_step_too_few(knots, degree, x):
     recursion begins at degree 0, and takes as many steps as the degree.
     """
     return recursion(knots, max(degree - 1, 0), x, steps(knots, x))
+
+
+@answers("10.7")
+def intervals_closed_on_the_right(knots, degree, x):
+    """The values at the knots are wrong. In (10.11) an interval contains its left end, and not its
+    right one.
+    """
+    t = knots
+    b = [((t[i] < x) & (x <= t[i + 1])) * 1.0 for i in range(len(t) - 1)]
+    return recursion(knots, degree, x, b)
+
+
+@answers("10.7")
+def last_interval_closed(knots, degree, x):
+    """The values at the last knot are wrong. Many programs close the last interval; in (10.11)
+    every interval lacks its right end.
+    """
+    b = steps(knots, x)
+    last = max(i for i in range(len(knots) - 1) if knots[i] < knots[i + 1])
+    b[last] = ((knots[last] <= x) & (x <= knots[-1])) * 1.0
+    return recursion(knots, degree, x, b)

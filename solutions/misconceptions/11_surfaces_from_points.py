@@ -1,4 +1,4 @@
-"""What students write instead of notebook 11, and what each of them should hear."""
+"""Mistakes in notebook 11, each with the sentence that the student reads."""
 
 import numpy as np
 
@@ -27,48 +27,48 @@ def fitted(points, k, first=0, which=0, centre="mean"):
 
 @answers("11.1")
 def along_the_surface(points, k):
-    """These directions run along the surface: they belong to the largest variance. Across the
-    neighbours there is the least, and NumPy puts the least eigenvalue first.
+    """These directions run along the surface, since they belong to the largest variance. The normal
+    belongs to the smallest variance. NumPy sorts the eigenvalues in increasing order.
     """
     return fitted(points, k, which=-1)
 
 
 @answers("11.1")
 def not_centred(points, k):
-    """The centre of the neighbours was not subtracted. Then the largest variance points from the
-    origin to the cloud, and what is measured depends on where the origin is.
+    """The mean of the neighbours was not subtracted. Then the largest variance points from the
+    origin to the cloud, and the result depends on the position of the origin.
     """
     return fitted(points, k, centre="")
 
 
 @answers("11.1")
 def centred_at_the_point(points, k):
-    """The offsets are those from the point itself and not from the centre of its neighbours. On a
-    curved surface the neighbours lie to one side of the point, and that offset counts as variance
-    across.
+    """The offsets start at the point itself and not at the mean of its neighbours. On a curved
+    surface the neighbours lie on one side of the point, and this adds to the variance across the
+    surface.
     """
     return fitted(points, k, centre="point")
 
 
 @answers("11.1")
 def without_itself(points, k):
-    """The point itself was left out, and one more taken instead. N(i) holds the K nearest points
-    with the point among them.
+    """The point itself is missing, and one more neighbour was taken instead. N(i) holds the K
+    nearest points including the point itself.
     """
     return fitted(points, k, first=1)
 
 
 @answers("11.1")
 def one_more_neighbour(points, k):
-    """These are K + 1 points: K others and the point itself. It counts as one of the K."""
+    """These are K + 1 points: the point itself and K others. N(i) has K points including the point
+    itself.
+    """
     return fitted(points, k + 1)
 
 
 @answers("11.1")
 def row_for_column(points, k):
-    """A row of the matrix of eigenvectors was taken. `eigh` returns them as columns; where the
-    matrix is a rotation by itself a row looks very much like a direction, and is another one.
-    """
+    """A row of the matrix of eigenvectors was taken. `eigh` returns the eigenvectors as columns."""
     n, q = np.zeros(points.shape), np.zeros(len(points))
     for i, row in enumerate(distances(points)):
         near = points[np.argsort(row)[:k]]
@@ -80,8 +80,8 @@ def row_for_column(points, k):
 
 @answers("11.1")
 def planarity_by_the_largest(points, k):
-    """The planarity compares the least variance with the largest. On a thin strip that is small
-    whatever the strip does across: what decides is the gap between the two *smallest*.
+    """The planarity compares the smallest variance with the largest. The formula (11.2) compares
+    the two smallest, which is another number in space.
     """
     n, q = np.zeros(points.shape), np.zeros(len(points))
     for i, row in enumerate(distances(points)):
@@ -94,8 +94,8 @@ def planarity_by_the_largest(points, k):
 
 @answers("11.1")
 def planarity_of_lengths(points, k):
-    """The planarity was taken of the standard deviations, the roots of the eigenvalues. (11.2)
-    has the variances themselves.
+    """The planarity was computed from standard deviations, the square roots of the eigenvalues.
+    (11.2) uses the variances themselves.
     """
     n, q = fitted(points, k)
     return n, 1 - np.sqrt(np.maximum(1 - q, 0))
@@ -103,9 +103,8 @@ def planarity_of_lengths(points, k):
 
 @answers("11.1", named=False)
 def mean_of_squares_less_square_of_mean(points, k):
-    """Near the origin this is right. The matrix was computed as a sum of squares less a square of
-    sums, which cancel far from the origin: at 4e4 nine digits of sixteen are lost. Subtract the
-    centre first, and square then.
+    """The covariance was computed as a sum of squares minus a square of sums. Far from the origin
+    both are nearly equal, and digits cancel. Subtract the mean first.
     """
     n, q = np.zeros(points.shape), np.zeros(len(points))
     for i, row in enumerate(distances(points)):
@@ -114,6 +113,24 @@ def mean_of_squares_less_square_of_mean(points, k):
         size, axes = np.linalg.eigh(near.T @ near - np.outer(total, total) / k)
         n[i], q[i] = axes[:, 0], 1 - size[0] / size[1]
     return n, q
+
+
+@answers("11.1")
+def ratio_upside_down(points, k):
+    """The normals are right. In the planarity the quotient is inverted, so that it is not between
+    0 and 1: divide the smallest eigenvalue by the second smallest.
+    """
+    n, q = fitted(points, k)
+    return n, 1 - 1 / (1 - q)
+
+
+@answers("11.1")
+def ratio_alone(points, k):
+    """The normals are right. The second array is the quotient of the eigenvalues; (11.2) is one
+    minus this quotient.
+    """
+    n, q = fitted(points, k)
+    return n, 1 - q
 
 
 # 11.2 The graph
@@ -128,16 +145,16 @@ def nearest(points, k, first=1):
 
 @answers("11.2")
 def one_way_only(points, k):
-    """The links go one way: i has j among its nearest, and j has not i. A sign could be handed on
-    from i to j and not back. One of both is enough for a link.
+    """The links go one way only: i has j among its nearest points, but j does not have i. By (11.3)
+    one of the two suffices for a link in both directions.
     """
     return nearest(points, k)
 
 
 @answers("11.2")
 def both_ways_required(points, k):
-    """Points were linked only if each is among the nearest of the other. (11.3) says *or*:
-    with *and*, lonely points lose their links, and the graph falls into parts.
+    """Two points were linked only if each is among the nearest of the other. (11.3) says *or*. With
+    *and*, isolated points lose their links, and the graph falls into components.
     """
     g = nearest(points, k)
     return g * g.T
@@ -145,8 +162,8 @@ def both_ways_required(points, k):
 
 @answers("11.2")
 def linked_to_itself(points, k):
-    """The points are linked to themselves. The nearest point is the point itself, which is no
-    link.
+    """The points are linked to themselves. The nearest point is the point itself, and (11.3)
+    excludes it.
     """
     g = nearest(points, k, 0)
     return np.maximum(g, g.T)
@@ -154,21 +171,23 @@ def linked_to_itself(points, k):
 
 @answers("11.2")
 def k_others(points, k):
-    """These are links to K others. N(i) has K points with the point itself, hence K − 1 others."""
+    """These are links to K others. N(i) has K points including the point itself, hence K − 1
+    others.
+    """
     g = nearest(points, k + 1)
     return np.maximum(g, g.T)
 
 
 @answers("11.2")
 def ways_counted(points, k):
-    """Links that hold both ways count twice. Asked for are zeros and ones."""
+    """Links that hold in both directions count twice. The function should return zeros and ones."""
     g = nearest(points, k)
     return g + g.T
 
 
 @answers("11.2")
 def farthest_points(points, k):
-    """These are the farthest points. `argsort` puts the least first."""
+    """These are the farthest points. `argsort` sorts in increasing order."""
     graph = np.zeros((len(points), len(points)))
     for i, row in enumerate(distances(points)):
         graph[i, np.argsort(row)[-(k - 1) :]] = 1
@@ -177,8 +196,8 @@ def farthest_points(points, k):
 
 @answers("11.2")
 def lengths_for_links(points, k):
-    """The links carry their lengths. Asked for are zeros and ones: what a link costs is decided
-    later, by the normals.
+    """The links carry their lengths. The function should return zeros and ones. The cost of a link
+    is computed later, from the normals.
     """
     g = nearest(points, k)
     return np.maximum(g, g.T) * distances(points)
@@ -218,8 +237,8 @@ def by_angle(n, a, b):
 
 @answers("11.3")
 def away_from_the_middle(points, normals, linked):
-    """The normals were turned away from the middle of the cloud. That works for convex bodies. On
-    the inner side of the horseshoe the outside is towards the middle.
+    """The normals were oriented away from the mean of the cloud. This works for convex bodies only.
+    On the inner side of the horseshoe the outside is towards the mean.
     """
     away = np.sum((points - points.mean(axis=0)) * normals, axis=1)
     return np.where(away < 0, -1, 1)[:, None] * normals
@@ -227,71 +246,142 @@ def away_from_the_middle(points, normals, linked):
 
 @answers("11.3")
 def all_upward(points, normals, linked):
-    """Every normal was made to point upward. This is the rule for the first point of the tree
-    only; below, the outside is downward.
+    """Every normal was made to point upward. This rule holds for the highest point of a component
+    only; at the bottom of a body the outside is downward.
     """
     return np.where(normals[:, -1:] < 0, -normals, normals)
 
 
 @answers("11.3")
 def first_sign_kept(points, normals, linked):
-    """All normals agree, but with a first one of arbitrary sign. If it points inward all others
-    do too. Which rule is there for the highest point?
+    """All normals agree with each other, but the first one has an arbitrary sign. If it points
+    inward, so do all others. Which rule holds at the highest point?
     """
     return grown(points, normals, linked, by_angle, upward=False)
 
 
 @answers("11.3")
 def begun_anywhere(points, normals, linked):
-    """The tree was begun at the first point of the list, and its normal was made to point upward.
-    Only at the highest point of a body is the outside above.
+    """The tree begins at the first point of the list, and its normal was made to point upward. Only
+    at the highest point of a component is the outside known to be above.
     """
     return grown(points, normals, linked, by_angle, root="first")
 
 
 @answers("11.3")
 def first_part_only(points, normals, linked):
-    """Only the part with the highest point of all was oriented. The links do not reach the
-    others, and each needs a beginning of its own.
+    """Only the component with the highest point of all was oriented. The links do not reach the
+    other components. Each of them needs a first point of its own.
     """
     return grown(points, normals, linked, by_angle, parts=1)
 
 
 @answers("11.3")
 def shortest_links_first(points, normals, linked):
-    """The signs were handed on over the shortest links. Near a sharp tip points are near each
-    other, and their normals are not: the sign that comes over such a link is wrong. (11.4) makes
-    it expensive.
+    """The signs were passed along the shortest links. Near a sharp tip two points are close, but
+    their normals are not parallel, so the sign is unsafe. (11.4) makes such a link expensive.
     """
     return grown(points, normals, linked, lambda n, a, b: np.linalg.norm(points[a] - points[b]))
 
 
 @answers("11.3")
 def right_angles_first(points, normals, linked):
-    """The costs are the wrong way round: links between normals at right angles were taken first,
-    where the sign is a guess. Parallel normals, of whatever sign, leave no doubt.
+    """The costs are inverted: links between perpendicular normals were taken first, where the sign
+    is a guess. Parallel normals, of either sign, must be cheap.
     """
     return grown(points, normals, linked, lambda n, a, b: abs(n[a] @ n[b]))
 
 
 @answers("11.3")
 def neighbours_turned_apart(points, normals, linked):
-    """Along the tree normals were turned so that they *disagree*: the sign of the product was
-    asked the wrong way round.
+    """Along the tree the normals were inverted so that they *disagree*. The test of the scalar
+    product has the wrong sign.
     """
     return grown(points, normals, linked, by_angle, parent_sign=-1.0)
 
 
 @answers("11.3")
 def compared_with_the_first(points, normals, linked):
-    """Each normal was compared with that of the highest point, not with the neighbour from which
-    its sign comes. Farther away a surface has turned round, and two right normals point in
-    opposite directions.
+    """Each normal was compared with that of the highest point and not with that of its neighbour in
+    the tree. Far away the outward normal may well point in the opposite direction.
     """
     n = normals.copy()
     top = n[np.argmax(points[:, -1])]
     top = top if top[-1] >= 0 else -top
     return np.where(n @ top < 0, -1, 1)[:, None] * n
+
+
+@answers("11.3")
+def last_link_kept(points, normals, linked):
+    """Each point outside the tree keeps its *latest* link to the tree, not its cheapest: the
+    comparison of the costs is missing.
+    """
+    n = normals.copy()
+    outside = np.ones(len(n), dtype=bool)
+    cost, origin = np.full(len(n), np.inf), np.full(len(n), -1)
+    while outside.any():
+        i = int(np.argmin(np.where(outside, cost, np.inf)))
+        if not (outside[i] and np.isfinite(cost[i])):
+            i = int(np.argmax(np.where(outside, points[:, -1], -np.inf)))
+            n[i] *= -1 if n[i, -1] < 0 else 1
+        elif n[i] @ n[origin[i]] < 0:
+            n[i] *= -1
+        outside[i] = False
+        for j in np.flatnonzero(linked[i] * outside):
+            cost[j], origin[j] = 1 - abs(n[i] @ n[j]), i
+    return n
+
+
+@answers("11.3")
+def compared_with_the_given_normal(points, normals, linked):
+    """Each normal was compared with the *given* normal of its neighbour in the tree. The neighbour
+    may have been inverted before: compare with the oriented normal.
+    """
+    n, left = normals.copy(), set(range(len(normals)))
+    while left:
+        i = max(left, key=lambda j: points[j, -1])
+        n[i] = -normals[i] if normals[i, -1] < 0 else normals[i]
+        left.discard(i)
+        tree = [i]
+        while True:
+            reach = [(by_angle(normals, a, b), a, b) for a in tree for b in left if linked[a, b]]
+            if not reach:
+                break
+            _, a, b = min(reach)
+            n[b] = -normals[b] if normals[a] @ normals[b] < 0 else normals[b]
+            tree.append(b)
+            left.discard(b)
+    return n
+
+
+@answers("11.3")
+def all_inward(points, normals, linked):
+    """All normals point inward: the first normal of each component has the wrong sign. At the
+    highest point the outward normal points upward.
+    """
+    return -grown(points, normals, linked, by_angle)
+
+
+@answers("11.3", named=False)
+def part_begun_at_height_zero(points, normals, linked):
+    """The highest point of a component below zero is not found."""
+    n, count = normals.copy(), len(normals)
+    outside = np.ones(count, dtype=bool)
+    cost, origin = np.full(count, np.inf), np.full(count, -1)
+    while outside.any():
+        i = int(np.argmin(np.where(outside, cost, np.inf)))
+        if not np.isfinite(cost[i]) or not outside[i]:
+            i = int(np.argmax(points[:, -1] * outside))
+            if not outside[i]:
+                return n
+            n[i] *= -1 if n[i, -1] < 0 else 1
+        elif n[i] @ n[origin[i]] < 0:
+            n[i] *= -1
+        outside[i] = False
+        for j in np.flatnonzero(linked[i] * outside):
+            if 1 - abs(n[i] @ n[j]) < cost[j]:
+                cost[j], origin[j] = 1 - abs(n[i] @ n[j]), i
+    return n
 
 
 # 11.4 Points beside
@@ -314,16 +404,16 @@ def own(points):
 
 @answers("11.4")
 def not_tested(points, normals, distance):
-    """All lengths are the full distance. Where the body is thin, or bent, points lie on the wrong
-    side of another part of it: the test is missing.
+    """All lengths are the full distance Δ. Where the body is thin or bent, points lie on the wrong
+    side of another part of it. The test of (11.6) is missing.
     """
     return np.full((len(points), 2), float(distance))
 
 
 @answers("11.4")
 def halved_once(points, normals, distance):
-    """The length was halved at most once. Half of it may still be too far: test again, until the
-    test is passed.
+    """The length was halved at most once. Half of it may still be too large: repeat until the test
+    is passed.
     """
     ok = own(points)
     return np.array(
@@ -336,8 +426,8 @@ def halved_once(points, normals, distance):
 
 @answers("11.4")
 def one_length_for_both_sides(points, normals, distance):
-    """Both sides got the same length, the shorter one. Outside there may be room where inside
-    there is none: each point has a test of its own.
+    """Both sides have the same length, the shorter one. Each side has its own test: there may be
+    room outside where there is none inside.
     """
     lengths = halved(points, normals, distance, own(points))
     return np.tile(lengths.min(axis=1)[:, None], 2)
@@ -345,30 +435,32 @@ def one_length_for_both_sides(points, normals, distance):
 
 @answers("11.4")
 def one_length_for_all(points, normals, distance):
-    """All points got one length, the least that any of them needs. In one narrow place the body
-    decides for all others, and their points lie nearer than they need.
+    """All points have the same length, the smallest that any of them needs. By (11.6) each point
+    has its own length.
     """
     return np.full((len(points), 2), halved(points, normals, distance, own(points)).min())
 
 
 @answers("11.4")
 def inside_first(points, normals, distance):
-    """The columns are exchanged: asked for is the length outside, along the normal, and then that
-    inside.
+    """The columns are exchanged. Column 0 is the length outside, along the normal; column 1 is the
+    length inside.
     """
     return halved(points, normals, distance, own(points))[:, ::-1]
 
 
 @answers("11.4")
 def both_outside(points, normals, distance):
-    """Both columns were tested along the normal. The second point lies on its other side."""
+    """Both columns were tested along the normal. The second column belongs to the opposite
+    direction.
+    """
     return halved(points, normals, distance, own(points), (1, 1))
 
 
 @answers("11.4")
 def distance_to_others_only(points, normals, distance):
-    """The length was compared with the distance of the *point* to its next neighbour. Whether
-    there is room beside it is a matter of the place where the added point would lie.
+    """The length was compared with the distance from the *point* to its nearest neighbour. The test
+    of (11.6) concerns the off-surface point: which point of the cloud is nearest to it?
     """
     gaps = distances(points) + 1e9 * np.eye(len(points))
     return halved(points, normals, distance, lambda i, x, length: length < gaps[i].min())
@@ -376,8 +468,8 @@ def distance_to_others_only(points, normals, distance):
 
 @answers("11.4")
 def as_far_as_possible(points, normals, distance):
-    """The greatest length that passes the test was looked for, and not the greatest of Δ, Δ/2,
-    Δ/4, … as in (11.6).
+    """The largest length that passes the test was computed. (11.6) asks for the largest of Δ, Δ/2,
+    Δ/4, … that passes.
     """
     lengths = halved(points, normals, distance, own(points))
     ok = own(points)
@@ -408,32 +500,32 @@ def solved(sites, values, power=3, corner=0.0, border=1.0, ridge=0.0):
 
 @answers("11.5")
 def distance_itself(sites, values):
-    """The distance itself was used for the kernel and not its cube. Its gradient jumps at every
-    site, where the surface is to have its normals.
+    """The kernel is the distance and not its cube. The gradient of the distance jumps at every
+    site, where the surface needs its normals.
     """
     return solved(sites, values, 1)
 
 
 @answers("11.5")
 def squared_distance(sites, values):
-    """The squares of the distances were used. They are polynomials: sums of them are of degree
-    two, whatever the number of sites, and cannot take so many values.
+    """The kernel is the squared distance, a polynomial. Sums of squared distances are polynomials
+    of degree two, and cannot take so many values.
     """
     return solved(sites, values, 2)
 
 
 @answers("11.5")
 def without_the_linear_part(sites, values):
-    """The linear part is missing. The matrix of cubes alone is neither positive nor sure to be
-    regular, and F grows like the cube of the distance far away.
+    """The linear polynomial is missing. Without it and the side conditions, the matrix of cubes may
+    be singular, and F grows like the cube of the distance.
     """
     return np.linalg.solve(distances(sites) ** 3, values), np.zeros(sites.shape[1] + 1)
 
 
 @answers("11.5")
 def only_a_constant(sites, values):
-    """There is a constant but no linear function. The cube of the distance needs side conditions
-    against all polynomials of degree one.
+    """There is a constant but no linear polynomial. The kernel r³ is conditionally positive
+    definite of order two: it needs the side conditions for all linear polynomials.
     """
     n, d = sites.shape
     matrix = np.ones((n + 1, n + 1))
@@ -444,8 +536,8 @@ def only_a_constant(sites, values):
 
 @answers("11.5")
 def side_conditions_missing(sites, values):
-    """The side conditions, the second row of (11.8), are missing: there are fewer equations than
-    unknowns, and a solver of least squares returned the shortest of all solutions.
+    """The side conditions, the second row of (11.8), are missing. There are fewer equations than
+    unknowns, and least squares returned the shortest of all solutions.
     """
     n = len(sites)
     whole = np.hstack([distances(sites) ** 3, np.insert(sites, 0, 1.0, axis=1)])
@@ -455,8 +547,8 @@ def side_conditions_missing(sites, values):
 
 @answers("11.5")
 def linear_part_fitted_first(sites, values):
-    """A linear function was fitted first, and the cubes to what was left. Both belong together:
-    taken one after the other they miss the side conditions.
+    """A linear function was fitted first, and the cubes were fitted to the residuals. Then the side
+    conditions do not hold: (11.8) must be solved as one system.
     """
     p = np.insert(sites, 0, 1.0, axis=1)
     c = np.linalg.lstsq(p, values, rcond=None)[0]
@@ -465,16 +557,14 @@ def linear_part_fitted_first(sites, values):
 
 @answers("11.5")
 def constant_last(sites, values):
-    """The numbers are right and c stands in another order: the constant is to be first."""
+    """The numbers are right, but c is in another order. The constant c₀ is its first entry."""
     lam, c = solved(sites, values)
     return lam, np.roll(c, -1)
 
 
 @answers("11.5")
 def ones_in_the_corner(sites, values):
-    """The block in the corner of (11.8) is not zero. The sums of λ and of λ times the sites are
-    to be zero, without c in these equations.
-    """
+    """The lower right block of (11.8) is not zero. The side conditions do not contain c."""
     return solved(sites, values, corner=1.0)
 
 
@@ -488,7 +578,7 @@ def parts(x, sites):
 
 @answers("11.6")
 def gradient_without_the_linear_part(x, sites, lam, c):
-    """The gradient lacks that of the linear part, which is the same everywhere."""
+    """The gradient of the linear polynomial is missing. It is the same at all points."""
     offset, r = parts(x, sites)
     g = np.einsum("mn,mnd->md", 3 * r * lam, offset)
     return r**3 @ lam + c[0] + x @ c[1:], g
@@ -496,8 +586,8 @@ def gradient_without_the_linear_part(x, sites, lam, c):
 
 @answers("11.6")
 def derivative_without_the_chain(x, sites, lam, c):
-    """The derivative of the cube was taken as 3r² along the offset, and the offset has the length
-    r. By the chain rule the direction has the length one: one r too many.
+    """The derivative was taken as 3r² times the offset. By the chain rule it is 3r² times a *unit*
+    vector, so there is one factor r too many.
     """
     offset, r = parts(x, sites)
     g = np.einsum("mn,mnd->md", 3 * r**2 * lam, offset) + c[1:]
@@ -506,9 +596,7 @@ def derivative_without_the_chain(x, sites, lam, c):
 
 @answers("11.6")
 def towards_the_sites(x, sites, lam, c):
-    """The gradient of the cubes has the wrong sign: the offset runs from the place to the site. A
-    distance grows *away* from the site.
-    """
+    """The gradient of the cubes has the wrong sign. The distance grows *away* from the site."""
     offset, r = parts(x, sites)
     g = np.einsum("mn,mnd->md", -3 * r * lam, offset) + c[1:]
     return r**3 @ lam + c[0] + x @ c[1:], g
@@ -516,7 +604,7 @@ def towards_the_sites(x, sites, lam, c):
 
 @answers("11.6")
 def three_forgotten(x, sites, lam, c):
-    """The gradient of the cubes is a third of what it should be: what is the derivative of r³?"""
+    """The gradient of the cubes is a third of what it should be. What is the derivative of r³?"""
     offset, r = parts(x, sites)
     g = np.einsum("mn,mnd->md", r * lam, offset) + c[1:]
     return r**3 @ lam + c[0] + x @ c[1:], g
@@ -524,8 +612,8 @@ def three_forgotten(x, sites, lam, c):
 
 @answers("11.6")
 def divided_by_the_distance(x, sites, lam, c):
-    """There is a division by the distance, and one of the places is a site: zero by zero. The
-    factor cancels; write what is left.
+    """The distance is in a denominator, and one of the points is a site: zero divided by zero. The
+    factor r cancels; simplify the formula first.
     """
     offset, r = parts(x, sites)
     g = np.einsum("mn,mnd->md", 3 * r**2 / r * lam, offset / r[:, :, None] * r[:, :, None]) + c[1:]
@@ -534,7 +622,7 @@ def divided_by_the_distance(x, sites, lam, c):
 
 @answers("11.6")
 def constant_forgotten(x, sites, lam, c):
-    """The constant c₀ is missing in the values. The gradient does not notice."""
+    """The constant c₀ is missing in the values. The gradient does not contain it."""
     offset, r = parts(x, sites)
     g = np.einsum("mn,mnd->md", 3 * r * lam, offset) + c[1:]
     return r**3 @ lam + x @ c[1:], g
@@ -542,7 +630,7 @@ def constant_forgotten(x, sites, lam, c):
 
 @answers("11.6")
 def constant_taken_last(x, sites, lam, c):
-    """The last entry of c was taken for the constant. By (11.7) it is the first."""
+    """The last entry of c was used as the constant. By (11.7) the constant is the first entry."""
     offset, r = parts(x, sites)
     g = np.einsum("mn,mnd->md", 3 * r * lam, offset) + c[:-1]
     return r**3 @ lam + c[-1] + x @ c[:-1], g
@@ -550,9 +638,7 @@ def constant_taken_last(x, sites, lam, c):
 
 @answers("11.6")
 def unit_gradient(x, sites, lam, c):
-    """The gradients were divided by their lengths. These are the directions of the normals, up to
-    the sign; asked for is the gradient itself, with the slope as its length.
-    """
+    """The gradients were divided by their lengths. Return the gradient itself."""
     offset, r = parts(x, sites)
     g = np.einsum("mn,mnd->md", 3 * r * lam, offset) + c[1:]
     return r**3 @ lam + c[0] + x @ c[1:], g / np.sqrt((g * g).sum(axis=1))[:, None]
@@ -578,44 +664,44 @@ def squares(g):
 
 @answers("11.7")
 def divided_by_the_slope_once(x, sites, lam, c, steps):
-    """The step is F times the unit gradient: it is divided by the length of the gradient once.
-    The gradient in the numerator has that length as well, so it has to be divided twice.
+    """The step is F times the unit gradient: it was divided by the length of the gradient once.
+    (11.9) divides by the *square* of this length.
     """
     return stepped(x, sites, lam, c, steps, lambda f, g: -f[:, None] * g / np.sqrt(squares(g)))
 
 
 @answers("11.7")
 def not_divided(x, sites, lam, c, steps):
-    """The step is F times the gradient, not divided by anything: a descent with a step of its own
-    length, and not Newton's method.
+    """The step is F times the gradient, without a division. This is a descent of arbitrary step
+    length and not Newton's method.
     """
     return stepped(x, sites, lam, c, steps, lambda f, g: -f[:, None] * g)
 
 
 @answers("11.7")
 def to_the_other_side(x, sites, lam, c, steps):
-    """The steps lead away from the zero level: where F is positive one has to go *down*."""
+    """The steps lead away from the zero level. Where F is positive, a step must decrease it."""
     return stepped(x, sites, lam, c, steps, lambda f, g: f[:, None] * g / squares(g))
 
 
 @answers("11.7")
 def coordinate_by_coordinate(x, sites, lam, c, steps):
-    """Newton's method was used in each coordinate by itself, F divided by each derivative. Every
-    one of these steps alone would lead to the tangent's zero: together they go too far.
+    """F was divided by each partial derivative separately. Each of these steps alone leads to the
+    zero of the tangent, so together they go too far.
     """
     return stepped(x, sites, lam, c, steps, lambda f, g: -f[:, None] / g)
 
 
 @answers("11.7")
 def one_step_only(x, sites, lam, c, steps):
-    """There is one step, however many are asked for."""
+    """Only one step was made, whatever the number of steps."""
     return stepped(x, sites, lam, c, 1, lambda f, g: -f[:, None] * g / squares(g))
 
 
 @answers("11.7")
 def first_gradient_kept(x, sites, lam, c, steps):
-    """F and its gradient were computed once, and all steps taken with them. After a step both are
-    others.
+    """F and its gradient were computed once, and all steps use them. Both must be evaluated again
+    after each step.
     """
     f, g = slope(x, sites, lam, c)
     return x - steps * f[:, None] * g / squares(g)
@@ -623,8 +709,8 @@ def first_gradient_kept(x, sites, lam, c, steps):
 
 @answers("11.7")
 def scaled_together(x, sites, lam, c, steps):
-    """All gradients were divided by one number, the sum of squares over the whole array. Each
-    place has a slope of its own: along which axis is summed?
+    """All gradients were divided by one number, the sum of squares over the whole array. Each point
+    has its own gradient: along which axis must the sum run?
     """
     return stepped(x, sites, lam, c, steps, lambda f, g: -f[:, None] * g / (g * g).sum())
 
@@ -652,38 +738,40 @@ def linear(a, b):
 
 @answers("11.8")
 def middles_of_the_sides(values):
-    """The ends are in the middle of the sides. The values tell more: nearer to zero is nearer to
-    the level.
+    """The ends are at the midpoints of the sides. The level is nearer to the corner whose value is
+    closer to zero.
     """
     return marched(values, lambda a, b: 0.5)
 
 
 @answers("11.8")
 def from_the_wrong_end(values):
-    """The share belongs to the other end of the side: where the value at the first end is small,
-    the crossing is near to *it*.
+    """The share was measured from the other end of the side. Where the value at the first end is
+    small, the crossing is near the *first* end.
     """
     return marched(values, lambda a, b: b / (b - a))
 
 
 @answers("11.8")
 def by_sizes_of_both(values):
-    """The share is a/(a + b) with the signs in it, and the ends lie outside of the square. Both
-    values have different signs: what is their difference?
+    """The share is a/(a + b) with signed values, so the ends are outside the square. The two values
+    have different signs: use their difference.
     """
     return marched(values, lambda a, b: a / (a + b))
 
 
 @answers("11.8")
 def run_backwards(values):
-    """The pieces are right, and run the other way: what is positive lies to their right."""
+    """The pieces are right, but run in the opposite direction: the positive values are on their
+    right.
+    """
     return marched(values, linear, swap=True)
 
 
 @answers("11.8")
 def in_the_order_of_the_sides(values):
-    """The ends are in the order in which they were found, so that what is positive lies now to
-    the left, now to the right. Which of the two changes of sign is the start?
+    """The ends are in the order in which they were found, so the positive values are on the left of
+    some pieces only. Which change of sign is the start?
     """
     ends = np.zeros((len(values), 2, 2))
     for e, f in zip(ends, values):
@@ -698,24 +786,24 @@ def in_the_order_of_the_sides(values):
 
 @answers("11.8")
 def corners_row_by_row(values):
-    """The corners were taken row by row, as (0,0), (1,0), (0,1), (1,1). They are given *round*
-    the square: from one to the next there is a side, not a diagonal.
+    """The corners were taken row by row, as (0,0), (1,0), (0,1), (1,1). They are given in their
+    order *round* the square.
     """
     return marched(values, linear, corners=CORNERS[[0, 1, 3, 2]])
 
 
 @answers("11.8")
 def coordinates_exchanged(values):
-    """The two coordinates are exchanged: the second corner is (1, 0). The square is seen in a
-    mirror, and what was to the left is to the right.
+    """The two coordinates are exchanged: the second corner is (1, 0). The square is reflected, so
+    left and right are exchanged too.
     """
     return marched(values, linear, corners=CORNERS[:, ::-1])
 
 
 @answers("11.8")
 def last_side_forgotten(values):
-    """The side from the last corner back to the first was not looked at. Pieces that cross it
-    have an end at (0, 0).
+    """The side from the last corner back to the first was skipped. Pieces that cross it have an end
+    at (0, 0).
     """
     ends = np.zeros((len(values), 2, 2))
     for e, f in zip(ends, values):

@@ -1,4 +1,4 @@
-"""What students write instead of notebook 12, and what each of them should hear."""
+"""Mistakes in notebook 12, each with the sentence that the student reads."""
 
 import numpy as np
 
@@ -50,17 +50,16 @@ def right_slopes(nodes, places, factor=3.0, sign=1.0, unit=1.0):
 
 @answers("12.1")
 def without_the_polynomial(nodes, places):
-    """The polynomial is missing: neither its rows and columns nor its conditions enter. Rows of H
-    do not sum to one then, so that a wing that moves as a whole would change its shape. Which
-    part of b(y) is missing?
+    """The polynomial is missing, with its rows, columns and side conditions. Then the rows of H do
+    not sum to 1, and a wing that moves as a whole would change its shape.
     """
     return solved(cubed, nodes, right_side(nodes, places), polynomial=False)
 
 
 @answers("12.1")
 def constants_only(nodes, places):
-    """Of the polynomial only the constant is there. Translations come back, and rotations do not:
-    the rows of (12.2) go on after the one.
+    """Only the constant of the polynomial is present. Translations are reproduced, but rotations
+    are not: in (12.2), the coordinates follow the 1.
     """
     n = len(nodes)
     one = np.ones((n, 1))
@@ -71,24 +70,24 @@ def constants_only(nodes, places):
 
 @answers("12.1")
 def another_kernel(nodes, places):
-    """This is the interpolation with the distance itself as kernel, on both sides. Its field has
-    a kink at each node, like a string; (12.1) bends like a ruler. Look at the power.
+    """The kernel is the distance itself, on both sides. Its field has a kink at each node. (12.1)
+    uses the cube of the distance.
     """
     return solved(lambda r: r, nodes, right_side(nodes, places, lambda r: r))
 
 
 @answers("12.1")
 def two_kernels(nodes, places):
-    """The matrix has cubes of distances, and b(y) has another power of them. Then nothing is
-    interpolated: both sides of (12.2) must speak of one kernel.
+    """The matrix has cubes of distances, but b(y) has another power. Both sides of (12.2) must have
+    the same kernel.
     """
     return solved(cubed, nodes, right_side(nodes, places, lambda r: r**2))
 
 
 @answers("12.1")
 def coefficients_of_the_polynomial(nodes, places):
-    """The last N of the solved entries are returned. The entries that multiply displacements come
-    first; those of the polynomial, at the end, multiply zeros on the right of (12.1).
+    """The last N entries of the solution were returned. The weights of the displacements are the
+    first N entries.
     """
     n, d = nodes.shape
     p = np.column_stack([np.ones(n), nodes])
@@ -98,25 +97,24 @@ def coefficients_of_the_polynomial(nodes, places):
 
 @answers("12.1")
 def not_solved(nodes, places):
-    """These are the cubes of the distances, the right side of (12.2), not its solution. As
-    weights they would grow with the distance. The system has to be solved for each place.
+    """These are the cubed distances, entries of the right-hand side of (12.2). The system must be
+    solved for each point.
     """
     return apart(places, nodes) ** 3
 
 
 @answers("12.1")
 def nodes_and_places_exchanged(nodes, places):
-    """The weights are those of the transposed task: a field through the places, read off at the
-    nodes. Which of the two sets carries displacements?
+    """These weights belong to the reverse transfer: an interpolation of values at the points,
+    evaluated at the nodes. In (12.1) the displacements are given at the *nodes*.
     """
     return solved(cubed, places, right_side(places, nodes)).T
 
 
 @answers("12.1")
 def each_alone_by_distance(nodes, places):
-    """Each node counts by the inverse of its distance, and nothing is solved. Such a mean is
-    never larger than the largest displacement, so a tilted wing is levelled out at its rim:
-    linear fields do not come back.
+    """Each node has the inverse cube of its distance as its weight, and no system is solved. Then
+    linear fields are not reproduced, so a tilted wing does not remain straight.
     """
     w = np.maximum(apart(places, nodes), 1e-30) ** -3
     return w / w.sum(axis=1)[:, None]
@@ -127,41 +125,40 @@ def each_alone_by_distance(nodes, places):
 
 @answers("12.2")
 def not_transposed(H, f):
-    """H itself is applied to the forces. It takes numbers at nodes to numbers at places; forces
-    go the other way. With as many nodes as places nothing warns you. See which index of H is
-    summed in (12.3).
+    """H itself was multiplied by the forces. H maps values at nodes to values at points, but forces
+    go the other way. Over which index of H does (12.3) sum?
     """
     return H @ f
 
 
 @answers("12.2")
 def pseudo_inverse(H, f):
-    """A pseudo inverse undoes H as well as it can, and fits the forces as if they were
-    displacements. The work is not the same. (12.4) asks for less: nothing has to be inverted.
+    """A pseudoinverse of H was used. It fits the forces as if they were displacements, and does not
+    conserve work. (12.4) needs no inverse.
     """
     return np.linalg.pinv(H) @ f
 
 
 @answers("12.2")
 def mean_of_the_forces(H, f):
-    """Each node gets a weighted mean of the forces, since you divide by the sum of the weights. A
-    node in which many forces meet must carry them all: their sum.
+    """Each node has a weighted mean of the forces, since the sums were divided by the weights. A
+    node must carry the *sum* of its forces.
     """
     return (H.T @ f) / H.sum(axis=0)[:, None]
 
 
 @answers("12.2")
 def reaction(H, f):
-    """The sign is turned: these are the forces with which the structure holds the skin. (12.3)
-    asks for those that act on the structure.
+    """The loads have the opposite sign: these are the reactions of the structure. (12.3) requires
+    the loads that act on the structure.
     """
     return -H.T @ f
 
 
 @answers("12.2")
 def shared_equally(H, f):
-    """Every node gets the same part of the total force. The sum is right, but the weights do not
-    matter at all, and the moment is lost.
+    """Every node has the same share of the total force. The sum is right, but the weights were not
+    used, and the moment is lost.
     """
     return np.tile(f.sum(axis=0) / H.shape[1], (H.shape[1], 1))
 
@@ -171,32 +168,30 @@ def shared_equally(H, f):
 
 @answers("12.4")
 def factors_exchanged(points, forces, about):
-    """The moment has the wrong sign: a cross product changes its sign with the order of its
-    factors. In (12.5) the arm comes first.
+    """The moment has the wrong sign. In (12.5) the arm points from a to the point of the force, and
+    it is the first factor of the cross product. Check both.
     """
     return np.r_[forces.sum(axis=0), np.cross(forces, points - about).sum(axis=0)]
 
 
 @answers("12.4")
 def always_about_the_origin(points, forces, about):
-    """The moment is taken about the origin, whatever the third argument. Unless the total force
-    vanishes, it depends on that point.
+    """The moment is that about the origin, whatever the third argument. Unless the total force is
+    zero, the moment depends on this point.
     """
     return np.r_[forces.sum(axis=0), np.cross(points, forces).sum(axis=0)]
 
 
 @answers("12.4")
 def arm_with_a_plus(points, forces, about):
-    """The point about which moments are taken is added to the arm. An arm is the way *from* that
-    point to where the force acts.
-    """
+    """The point a was added to the points of the forces. In (12.5) it is subtracted."""
     return np.r_[forces.sum(axis=0), np.cross(points + about, forces).sum(axis=0)]
 
 
 @answers("12.4")
 def total_force_at_the_mean(points, forces, about):
-    """The total force is put at the mean of the points. That is right only if all forces are
-    equal; a couple, for instance, has no total force and yet a moment.
+    """The total force was applied at the mean of the points. A couple, for instance, has zero total
+    force and a moment.
     """
     total = forces.sum(axis=0)
     return np.r_[total, np.cross(points.mean(axis=0) - about, total)]
@@ -204,17 +199,15 @@ def total_force_at_the_mean(points, forces, about):
 
 @answers("12.4")
 def entries_multiplied(points, forces, about):
-    """Coordinates are multiplied with the force along the same axis. A force that points along
-    its arm turns nothing; the product of (12.5) is a cross product.
+    """Coordinates were multiplied by the force along the same axis. The product in (12.5) is a
+    cross product.
     """
     return np.r_[forces.sum(axis=0), ((points - about) * forces).sum(axis=0)]
 
 
 @answers("12.4")
 def moment_first(points, forces, about):
-    """Both parts are right, but the moment comes first. The docstring asks for the force first,
-    and later functions count on it.
-    """
+    """Both parts are right, but the moment is first. The docstring requires the force first."""
     return np.r_[np.cross(points - about, forces).sum(axis=0), forces.sum(axis=0)]
 
 
@@ -223,51 +216,74 @@ def moment_first(points, forces, about):
 
 @answers("12.6")
 def pressures_as_forces(H, p, m):
-    """The areas do not enter: pressures are handed on as if they were forces. Where the skin is
-    finer there are more of them, and the sum depends on the mesh.
+    """The areas are missing: pressures were transferred as if they were forces. Then the result
+    depends on the number of points of the skin.
     """
     return H.T @ p
 
 
 @answers("12.6")
 def forces_at_the_nodes(H, p, m):
-    """These are the forces at the nodes. They are right, and one step is missing: a pressure is
-    force by the area of the node, see what stands before the sum in (12.6).
+    """These are the forces at the nodes. A pressure is force divided by area: see the factor before
+    the sum in (12.6).
     """
     return H.T @ (p * m)
 
 
 @answers("12.6")
 def divided_by_the_weights(H, p, m):
-    """The force at a node is divided by the sum of its weights instead of its area. A constant
-    pressure then does not come back, unless all areas are one.
+    """The force at a node was divided by the sum of its weights instead of its area. Then a
+    constant pressure is not reproduced unless all areas are 1.
     """
     return H.T @ (p * m) / H.sum(axis=0)
 
 
 @answers("12.6")
 def equal_areas_of_nodes(H, p, m):
-    """Every node is given the same area, the whole divided by their number. Nodes at a rim
-    collect less skin than those in the middle; their areas come from H as the forces do.
-    """
+    """Every node has the same area. By (12.6) the areas are transferred with H, like forces."""
     return H.T @ (p * m) / (m.sum() / H.shape[1])
 
 
 @answers("12.6")
 def areas_forgotten_twice(H, p, m):
-    """Pressures are averaged with the weights, and areas enter neither above nor below. Constants
-    come back, but the total force does not: a large piece of skin counts no more than a small
-    one.
+    """The areas are missing in both sums of (12.6). Constants are reproduced, but the total force
+    is not conserved: large and small areas count alike.
     """
     return H.T @ p / H.sum(axis=0)
 
 
 @answers("12.6")
 def areas_squared(H, p, m):
-    """Areas enter twice above the line. The force on a piece of skin is its pressure times its
-    area, once.
+    """The areas enter twice in the numerator. The force at a point of the skin is its pressure
+    times its area, once.
     """
     return H.T @ (p * m**2) / (H.T @ m)
+
+
+@answers("12.6", named=False)
+def absolute_weights(H, p, m):
+    """Negative weights were replaced by positive ones."""
+    return (np.abs(H).T @ (m * p)) / (np.abs(H).T @ m)
+
+
+@answers("12.6", named=False)
+def positive_weights_only(H, p, m):
+    """Negative weights were replaced by zero, so forces are lost."""
+    positive = np.maximum(H, 0)
+    return (positive.T @ (m * p)) / (positive.T @ m)
+
+
+@answers("12.6", named=False)
+def within_the_given_pressures(H, p, m):
+    """The result may exceed the given pressures where weights are negative."""
+    return np.clip((H.T @ (m * p)) / (H.T @ m), p.min(), p.max())
+
+
+@answers("12.6", named=False)
+def rows_made_to_sum_to_one(H, p, m):
+    """The weights were changed before they were used."""
+    scaled = H / H.sum(axis=1)[:, None]
+    return (scaled.T @ (m * p)) / (scaled.T @ m)
 
 
 # 12.7
@@ -275,31 +291,30 @@ def areas_squared(H, p, m):
 
 @answers("12.7")
 def unit_vector_forgotten(nodes, places):
-    """The derivative of the polynomial is missing. A tilted plane would have no slope: the
-    coordinate itself, at the end of b(y), has the derivative one along its axis.
+    """The derivative of the polynomial is missing. The last D entries of b(y) are the coordinates;
+    the derivative of coordinate k along axis k is 1.
     """
     return right_slopes(nodes, places, unit=0.0)
 
 
 @answers("12.7")
 def three_forgotten(nodes, places):
-    """The factor from the power is missing: the derivative of a cube is three times a square."""
+    """The factor 3 is missing: what is the derivative of a cube?"""
     return right_slopes(nodes, places, factor=1.0)
 
 
 @answers("12.7")
 def towards_the_node(nodes, places):
-    """The arms point from the place to the nodes, so the kernel's part has the wrong sign. The
-    derivative is with respect to the place.
+    """The part of the kernel has the wrong sign: the differences point from the point to the nodes.
+    (12.7) differentiates with respect to the point.
     """
     return right_slopes(nodes, places, sign=-1.0)
 
 
 @answers("12.7")
 def squares_without_direction(nodes, places):
-    """The kernel is differentiated with respect to the distance, and the direction is left out: 3
-    r² along every axis. The chain rule has a second factor, the change of the distance along the
-    axis.
+    """The kernel was differentiated with respect to the distance only: 3 r² along every axis. The
+    chain rule requires the derivative of the distance along the axis as a factor.
     """
     found = []
     for k in range(nodes.shape[1]):
@@ -312,8 +327,8 @@ def squares_without_direction(nodes, places):
 
 @answers("12.7")
 def unit_vector_at_the_constant(nodes, places):
-    """The one of the unit vector stands one entry too early: the first coordinate is treated like
-    the constant. Count the entries of b(y): N distances, the one, then the coordinates.
+    """The 1 of the unit vector is one entry too early, at the position of the constant. The order
+    in b(y) is: N distances, the 1, the coordinates.
     """
     found = []
     for k in range(nodes.shape[1]):
@@ -326,8 +341,8 @@ def unit_vector_at_the_constant(nodes, places):
 
 @answers("12.7")
 def by_coarse_differences(nodes, places):
-    """These are differences of weights over a short way, not derivatives: right to a few digits
-    only. (12.2) can be differentiated exactly, entry by entry.
+    """These are difference quotients with a rather large step, right to a few digits only. (12.2)
+    can be differentiated exactly, entry by entry.
     """
     step = 1e-3
     ways = step * np.eye(nodes.shape[1])
@@ -349,49 +364,48 @@ def plate(nodes, places, f, first=0, second=1, sign=-1.0, heights=None):
 
 @answers("12.8")
 def heights_ignored(nodes, places, f):
-    """The forces are brought down to the plate as they are. Sums are right, but a force along the
-    plate, at a height, also has a moment about axes in the plate; the second term of (12.7)
-    carries it.
+    """The forces were moved down to the plate without their moments. A force along the plate, at a
+    height, has a moment; the second term of (12.7) accounts for it.
     """
     return right_weights(nodes, places[:, :2]).T @ f
 
 
 @answers("12.8")
 def couple_turned_round(nodes, places, f):
-    """The couples have the wrong sign. Think of an arm that stands up from the plate, and of what
-    happens to its tip if the plate rises to the right: there is a minus in (12.7).
+    """The moments of the forces along the plate have the wrong sign. Check the minus in (12.7), and
+    the sign of your `slopes`.
     """
     return plate(nodes, places, f, sign=1.0)
 
 
 @answers("12.8")
 def axes_exchanged(nodes, places, f):
-    """The slope along one axis is multiplied with the force along the other. In (12.7) slope and
-    component stand in the same row.
+    """The slope along one axis was multiplied by the force along the other. Check the components in
+    (12.7), and the order of the axes in your `slopes`.
     """
     return plate(nodes, places, f, first=1, second=0)
 
 
 @answers("12.8")
 def normal_force_for_the_couple(nodes, places, f):
-    """The couples are made of the forces *across* the plate. Those act along the arm, and turn
-    nothing; it is the forces along the plate that pull at its tip.
+    """The slopes were multiplied by the forces *normal* to the plate. These act along the arm and
+    have no moment about its foot. The forces along the plate do.
     """
     return plate(nodes, places, f, first=2, second=2)
 
 
 @answers("12.8")
 def heights_without_sign(nodes, places, f):
-    """Heights enter by their absolute value. Below the plate a force turns it the other way: an
-    engine under a wing lifts its nose.
+    """The heights enter by their absolute value. Below the plate a force has the
+    opposite moment.
     """
     return plate(nodes, places, f, heights=np.abs(places[:, 2]))
 
 
 @answers("12.8")
 def couple_into_the_plane(nodes, places, f):
-    """Forces times heights and slopes are added to the components *in* the plate. But they belong
-    to the displacement by which they are multiplied in (12.7), and that is the third one.
+    """The terms with slopes were added to the components *in* the plate. In (12.7) the slopes are
+    multiplied by the third component of u, so they belong to the third component of g.
     """
     p, height = places[:, :2], places[:, 2]
     g = right_weights(nodes, p).T @ f
@@ -417,9 +431,7 @@ def response(K, H, f):
 
 @answers("12.10")
 def without_relaxation(K, H, f0, A, omega, steps):
-    """The whole way is gone in each step: ω does not enter. That converges for some wings, and
-    for others swings wider and wider.
-    """
+    """The relaxation is missing: each step has ω = 1."""
     return march(
         K, H, f0, A, omega, steps, np.zeros(len(K)), lambda u: response(K, H, f0 + A @ H @ u)
     )
@@ -427,8 +439,8 @@ def without_relaxation(K, H, f0, A, omega, steps):
 
 @answers("12.10")
 def parts_exchanged(K, H, f0, A, omega, steps):
-    """ω and 1 − ω have changed places: with ω = 1 nothing would ever move. Which of the two
-    belongs to the answer of the structure?
+    """ω and 1 − ω are exchanged. With ω = 1 the displacement must be that computed by the
+    structure.
     """
     return march(
         K,
@@ -444,8 +456,8 @@ def parts_exchanged(K, H, f0, A, omega, steps):
 
 @answers("12.10")
 def old_part_kept_whole(K, H, f0, A, omega, steps):
-    """Part of the answer is added to the whole of the old displacement. At the steady state u
-    would still grow: the old one is to be kept only in part, see (12.9).
+    """The old displacement is kept completely, and ω times the new one is added. In (12.9) the old
+    displacement has the factor 1 − ω.
     """
     return march(
         K,
@@ -461,8 +473,8 @@ def old_part_kept_whole(K, H, f0, A, omega, steps):
 
 @answers("12.10")
 def loads_do_not_follow(K, H, f0, A, omega, steps):
-    """The loads stay those at rest: the air does not notice that the wing has moved. That is the
-    coupling in one direction; f must be computed anew in each step.
+    """The loads remain those of the undeformed wing: A is missing. They must be computed again in
+    each step.
     """
     return march(
         K,
@@ -478,9 +490,7 @@ def loads_do_not_follow(K, H, f0, A, omega, steps):
 
 @answers("12.10")
 def only_the_change(K, H, f0, A, omega, steps):
-    """The loads at rest are used in the first step and then forgotten, so that the displacement
-    dies away. In (12.9) they act in every step.
-    """
+    """The loads f₀ act in the first step only. In (12.9) they act in every step."""
     first = omega * response(K, H, f0)
     later = march(
         K,
@@ -497,8 +507,8 @@ def only_the_change(K, H, f0, A, omega, steps):
 
 @answers("12.10")
 def begins_with_the_first_answer(K, H, f0, A, omega, steps):
-    """The first row is the stiff wing's answer to the loads at rest. The iteration of (12.9)
-    begins with no displacement, so each row comes one step too early.
+    """The first row is already the result of a step. The iteration of (12.9) begins with zero
+    displacements.
     """
     return march(
         K,
@@ -514,8 +524,8 @@ def begins_with_the_first_answer(K, H, f0, A, omega, steps):
 
 @answers("12.10")
 def multiplied_by_the_stiffness(K, H, f0, A, omega, steps):
-    """The loads are multiplied by the stiffness. A stiffer structure would give way more: what is
-    known is K u, and u is sought.
+    """The loads were multiplied by K. The displacement is the solution of a system with the matrix
+    K.
     """
     return march(
         K,
@@ -531,11 +541,37 @@ def multiplied_by_the_stiffness(K, H, f0, A, omega, steps):
 
 @answers("12.10")
 def the_steady_state_only(K, H, f0, A, omega, steps):
-    """Every row is the steady state, as if the two programs were one. That is where the iterates
-    should end, if they converge; asked for is the way there, which begins at rest.
+    """Every row after the first is the steady state. The function must return the iterates of
+    (12.9) on the way to it.
     """
     final = np.linalg.solve(K - H.T @ A @ H, H.T @ f0)
     return np.vstack([np.zeros(len(K)), np.tile(final, (steps, 1))])
+
+
+@answers("12.10")
+def one_array_in_all_rows(K, H, f0, A, omega, steps):
+    """All rows are equal to the last iterate. If one array is changed in place and appended again
+    and again, the list holds the same array many times: append a copy.
+    """
+    u = march(
+        K,
+        H,
+        f0,
+        A,
+        omega,
+        steps,
+        np.zeros(len(K)),
+        lambda u: (1 - omega) * u + omega * response(K, H, f0 + A @ H @ u),
+    )
+    return np.tile(u[-1], (steps + 1, 1))
+
+
+@answers("12.10")
+def loads_at_rest_forgotten(K, H, f0, A, omega, steps):
+    """All displacements are zero, since the loads f₀ of the undeformed wing are missing. In (12.9)
+    they act in every step.
+    """
+    return np.zeros((steps + 1, len(K)))
 
 
 # 12.11
@@ -547,24 +583,24 @@ def growths(K, H, A):
 
 @answers("12.11")
 def sign_ignored(K, H, A):
-    """The eigenvalue of largest modulus is taken. If it is negative, or complex, the iteration
-    may swing, but no positive pressure makes the matrix of (12.11) singular.
+    """The eigenvalue of largest modulus was taken. If it is negative or complex, no positive q
+    belongs to it.
     """
     return 1 / np.abs(growths(K, H, A)).max()
 
 
 @answers("12.11")
 def complex_ones_too(K, H, A):
-    """The largest real part is taken, of complex eigenvalues too. At that pressure the matrix of
-    (12.11) is not singular: a complex eigenvalue belongs to no real q.
+    """The largest real part was taken, of complex eigenvalues too. No real q belongs to a complex
+    eigenvalue.
     """
     return 1 / growths(K, H, A).real.max()
 
 
 @answers("12.11")
 def not_inverted(K, H, A):
-    """This is the eigenvalue itself. It is the larger, the softer the wing; the pressure at which
-    a softer wing diverges is smaller.
+    """This is an eigenvalue, 1/q. For a stiffer wing it is smaller, but the divergence pressure is
+    larger.
     """
     found = growths(K, H, A)
     return found[np.isreal(found)].real.max()
@@ -572,26 +608,30 @@ def not_inverted(K, H, A):
 
 @answers("12.11")
 def stiffness_alone(K, H, A):
-    """The smallest eigenvalue of the stiffness is no pressure: the air does not enter. (12.11)
-    has K on one side and H, A and q on the other.
+    """This is the smallest eigenvalue of the stiffness matrix. The air loads are missing: (12.11)
+    contains K, H and A.
     """
     return np.linalg.eigvals(K).real.min()
 
 
 @answers("12.11")
 def made_symmetric(K, H, A):
-    """Eigenvalues of the symmetric part are taken. Loads that follow a displacement are not
-    symmetric: the tail may act on the nose and not the nose on the tail.
-    """
+    """The eigenvalues of the symmetric part were taken. In general HᵀAH is not symmetric."""
     found = np.linalg.solve(K, H.T @ A @ H)
     return 1 / np.linalg.eigvalsh((found + found.T) / 2).max()
 
 
 @answers("12.11")
 def largest_pressure(K, H, A):
-    """This is a pressure at which the matrix is singular, but not the first that the wing meets
-    as the wind rises: look at the smallest one that is positive.
+    """At this q the matrix is singular, but there is a smaller positive q. Take the
+    smallest one.
     """
     found = growths(K, H, A)
     real = found[np.isreal(found)].real
     return 1 / real[real > 1e-9 * np.abs(found).max()].min()
+
+
+@answers("12.11", named=False)
+def first_eigenvalue(K, H, A):
+    """The eigenvalues are in no particular order."""
+    return 1 / growths(K, H, A)[0].real

@@ -1,4 +1,4 @@
-"""What students write instead of notebook 13, and what each of them should hear."""
+"""Mistakes in notebook 13, each with the sentence that the student reads."""
 
 import numpy as np
 
@@ -51,32 +51,32 @@ def matrix(sites, feet, k, **how):
 
 @answers("13.1")
 def forward(x, t, dt, flow):
-    """You went forward, to where the particles will be. The value here comes from where they
-    were: the sign of the step in (13.3).
+    """The points are moved forward, to where the particles will be. Departure points lie back in
+    time: check the sign in (13.3).
     """
     return x + dt * wind(x, t, flow)
 
 
 @answers("13.1")
 def the_way_only(x, t, dt, flow):
-    """This is the way that a particle went, not the place from which it came. What is it
-    subtracted from?
+    """This is the displacement of the particle, not its departure point. In (13.3) it is subtracted
+    from x.
     """
     return -dt * wind(x, t, flow)
 
 
 @answers("13.1")
 def velocity_of_the_time_before(x, t, dt, flow):
-    """The velocity is that of the earlier time. In flows that do not change this is the same; the
-    vortex gets faster. (13.3) takes here *and now*.
+    """The velocity is taken at the time t − Δt. (13.3) uses the velocity at the time t. In flow 1
+    they differ.
     """
     return x - dt * wind(x, t - dt, flow)
 
 
 @answers("13.1")
 def direction_only(x, t, dt, flow):
-    """All particles are moved equally far, since the velocity is divided by its length. How fast
-    the flow is must matter.
+    """The velocity was divided by its length, so all points move equally far. (13.3) uses the
+    velocity itself.
     """
     a = wind(x, t, flow)
     return x - dt * a / np.linalg.norm(a, axis=1)[:, None]
@@ -84,16 +84,14 @@ def direction_only(x, t, dt, flow):
 
 @answers("13.1")
 def step_forgotten(x, t, dt, flow):
-    """The velocity is subtracted as it is, as if the step were one.
-    A path is velocity times time.
-    """
+    """The velocity was subtracted without the factor Δt. A displacement is velocity times time."""
     return x - wind(x, t, flow)
 
 
 @answers("13.1")
 def always_at_time_zero(x, t, dt, flow):
-    """The velocity is taken at the time zero, whatever t. It depends on time in two of the three
-    flows.
+    """The velocity is taken at the time 0, whatever t is. In two of the flows it
+    depends on time.
     """
     return x - dt * wind(x, 0.0, flow)
 
@@ -103,36 +101,36 @@ def always_at_time_zero(x, t, dt, flow):
 
 @answers("13.2")
 def time_not_halved(x, t, dt, flow):
-    """The place is half-way, the time is not: the velocity is that of the end. For a flow that
-    changes, the order drops to that of Euler. Both arguments of (13.4) move.
+    """The second velocity is taken at the midpoint, but at the time t. In (13.4) its time is t −
+    Δt/2.
     """
     return x - dt * wind(x - dt / 2 * wind(x, t, flow), t, flow)
 
 
 @answers("13.2")
 def place_not_halved(x, t, dt, flow):
-    """The second velocity is taken at Euler's foot, and not half-way to it."""
+    """The second velocity is taken at Euler's foot and not at the midpoint."""
     return x - dt * wind(x - dt * wind(x, t, flow), t - dt / 2, flow)
 
 
 @answers("13.2")
 def time_went_forward(x, t, dt, flow):
-    """The place goes back, and the time forward. Half-way back it was earlier."""
+    """The midpoint is back in space, but its time is t + Δt/2. In (13.4) its time is t − Δt/2."""
     return x - dt * wind(x - dt / 2 * wind(x, t, flow), t + dt / 2, flow)
 
 
 @answers("13.2")
 def half_a_step_with_the_second(x, t, dt, flow):
-    """With the velocity of the middle only half of the step is made. The middle is a place to
-    look, and the whole way begins at x.
+    """The last step has half the length. The velocity at the midpoint is used for the whole step
+    from x.
     """
     return x - dt / 2 * wind(x - dt / 2 * wind(x, t, flow), t - dt / 2, flow)
 
 
 @answers("13.2")
 def went_on_from_the_middle(x, t, dt, flow):
-    """The whole step is made from the middle, so that one goes back one and a half steps. It
-    begins at x.
+    """The last step begins at the midpoint, so the way is one and a half steps long. It must begin
+    at x.
     """
     middle = x - dt / 2 * wind(x, t, flow)
     return middle - dt * wind(middle, t - dt / 2, flow)
@@ -140,8 +138,8 @@ def went_on_from_the_middle(x, t, dt, flow):
 
 @answers("13.2")
 def two_halves_of_euler(x, t, dt, flow):
-    """Two steps of Euler, each half as long. Twice the work halves the error, and the order
-    stays; (13.4) uses the second velocity for the whole.
+    """These are two steps of Euler's scheme, each of half the length. (13.4) makes one whole step
+    from x with the second velocity.
     """
     middle = x - dt / 2 * wind(x, t, flow)
     return middle - dt / 2 * wind(middle, t - dt / 2, flow)
@@ -149,11 +147,17 @@ def two_halves_of_euler(x, t, dt, flow):
 
 @answers("13.2")
 def mean_of_both_ends(x, t, dt, flow):
-    """This is the mean of the velocities at both ends, the scheme of Heun. It has the same order;
-    asked for is the velocity of the middle.
+    """This is Heun's scheme: the mean of the velocities at both ends. (13.4) uses the velocity at
+    the midpoint.
     """
     a = wind(x, t, flow)
     return x - dt / 2 * (a + wind(x - dt * a, t - dt, flow))
+
+
+@answers("13.2")
+def midpoint_forward(x, t, dt, flow):
+    """The scheme is right but goes forward in time. Check the signs in (13.4)."""
+    return x + dt * wind(x + dt / 2 * wind(x, t, flow), t + dt / 2, flow)
 
 
 # 13.3
@@ -176,38 +180,34 @@ def four(
 
 @answers("13.3")
 def plain_mean(x, t, dt, flow):
-    """The four velocities have the same weight. As in Simpson's rule those of the middle count
-    more: see the numbers in the bracket.
+    """The four velocities have equal weights. In (13.5) the second and the third have
+    the factor 2.
     """
     return four(x, t, dt, flow, weights=(0.25,) * 4)
 
 
 @answers("13.3")
 def divided_by_four(x, t, dt, flow):
-    """You divide by the number of velocities. The numbers in the bracket of (13.5) sum to another
-    one, so that the step comes out too long.
-    """
+    """The sum was divided by 4. The factors in the bracket of (13.5) sum to 6."""
     return four(x, t, dt, flow, weights=(0.25, 0.5, 0.5, 0.25))
 
 
 @answers("13.3")
 def times_forgotten(x, t, dt, flow):
-    """All velocities are those of the time t. The order is lost where the flow changes in time:
-    each stage has a time of its own.
-    """
+    """All velocities are taken at the time t. Each stage of (13.5) has its own time."""
     return four(x, t, dt, flow, times=(0, 0, 0, 0))
 
 
 @answers("13.3")
 def last_stage_half_way(x, t, dt, flow):
-    """The fourth velocity is taken half-way again. It belongs to the end of the step."""
+    """The fourth velocity is taken half a step back. In (13.5) its point is a whole step back."""
     return four(x, t, dt, flow, parts=(0, 0.5, 0.5, 0.5))
 
 
 @answers("13.3")
 def first_velocity_everywhere(x, t, dt, flow):
-    """All places are found with the first velocity. Each stage looks where the one before points:
-    see the indices in (13.5).
+    """All points are computed with the first velocity. In (13.5) each stage uses the velocity of
+    the stage before.
     """
     a = wind(x, t, flow)
     b = wind(x - dt * a / 2, t - dt / 2, flow)
@@ -217,8 +217,8 @@ def first_velocity_everywhere(x, t, dt, flow):
 
 @answers("13.3")
 def bracket_forgotten(x, t, dt, flow):
-    """Only the first velocity is multiplied by the step; the others are added as they are. (13.5)
-    has a bracket, and so must the code.
+    """Only the first velocity was multiplied by Δt/6. In (13.5) the factor applies to the whole
+    bracket.
     """
     a = wind(x, t, flow)
     b = wind(x - dt * a / 2, t - dt / 2, flow)
@@ -228,9 +228,7 @@ def bracket_forgotten(x, t, dt, flow):
 
 @answers("13.3")
 def went_forward(x, t, dt, flow):
-    """The scheme is right, and runs the wrong way: these are the places where the particles will
-    be. All signs are turned.
-    """
+    """The scheme is right but goes forward in time. Check the signs in (13.5)."""
     return four(x, t, -dt, flow)
 
 
@@ -239,25 +237,21 @@ def went_forward(x, t, dt, flow):
 
 @answers("13.5")
 def without_the_polynomial(sites, feet, k):
-    """The rows lack the polynomial of (13.7). Not even a constant comes back then: a field that
-    is one everywhere would change in each step.
+    """The polynomial of (13.7) is missing. Then constants are not reproduced, and a constant field
+    would change in each step.
     """
     return matrix(sites, feet, k, polynomial=False)
 
 
 @answers("13.5")
 def another_power(sites, feet, k):
-    """Distances are not raised to the power of (13.7), on both sides. The field has a kink at
-    each site, and the hills get blunt.
-    """
+    """The kernel is the distance itself. (13.7) uses the cube of the distance, on both sides."""
     return matrix(sites, feet, k, phi=lambda r: r)
 
 
 @answers("13.5")
 def the_farthest(sites, feet, k):
-    """The sites that are farthest from the foot have the weights. In which order does `argsort`
-    sort?
-    """
+    """The sites farthest from the foot have the weights. `argsort` sorts in increasing order."""
     h = np.zeros((len(feet), len(sites)))
     for i, y in enumerate(feet):
         far = np.argsort(-np.linalg.norm(sites - y, axis=1))[:k]
@@ -269,17 +263,13 @@ def the_farthest(sites, feet, k):
 
 @answers("13.5")
 def all_sites(sites, feet, k):
-    """All sites have weights: k is not used. The answer is a good one, but costs the cube of the
-    number of sites, and the matrix has no zeros.
-    """
+    """All sites have weights: k was not used. By (13.7) only the k nearest sites have weights."""
     return matrix(sites, feet, len(sites))
 
 
 @answers("13.5")
 def weights_in_the_first_columns(sites, feet, k):
-    """The weights stand in the first k columns, whichever sites are near. Each belongs into the
-    column of its own site.
-    """
+    """The weights are in the first k columns. Each weight belongs in the column of its site."""
     h = np.zeros((len(feet), len(sites)))
     for i, y in enumerate(feet):
         h[i, :k] = local_weights(sites, y, k)[1]
@@ -288,8 +278,8 @@ def weights_in_the_first_columns(sites, feet, k):
 
 @answers("13.5")
 def nearest_site_only(sites, feet, k):
-    """Each foot takes the value of its nearest site. That is a step function: after short steps
-    each site would find itself again, and nothing would ever move.
+    """Each foot has the value of its nearest site. (13.7) requires the solution of a system for the
+    k nearest sites.
     """
     h = np.zeros((len(feet), len(sites)))
     for i, y in enumerate(feet):
@@ -299,8 +289,8 @@ def nearest_site_only(sites, feet, k):
 
 @answers("13.5")
 def mean_by_distance(sites, feet, k):
-    """The k nearest sites count by the inverse of their distance. Nothing is solved, the weights
-    are positive, and every peak is worn away: linear fields do not come back.
+    """The weights are inverse distances, and no system was solved. Then linear fields are not
+    reproduced.
     """
     h = np.zeros((len(feet), len(sites)))
     for i, y in enumerate(feet):
@@ -322,33 +312,29 @@ def marched(sites, u, dt, steps, flow, k, feet, apply=lambda h, u: h @ u):
 
 @answers("13.6")
 def time_of_departure(sites, u, dt, steps, flow, k):
-    """The feet are traced back from the time at which the step begins. They go back from the time
-    of arrival, one step later.
+    """The departure points were computed from the time at the beginning of the step. They belong to
+    the time of arrival, (n + 1)Δt.
     """
     return marched(sites, u, dt, steps, flow, k, lambda n: right_feet(sites, n * dt, dt, flow))
 
 
 @answers("13.6")
 def time_stands_still(sites, u, dt, steps, flow, k):
-    """The same matrix is used in every step, that of the first. Where the velocity changes with
-    time so do the feet.
+    """The matrix of the first step was used in every step. If the velocity depends on time, the
+    departure points differ from step to step.
     """
     return marched(sites, u, dt, steps, flow, k, lambda n: right_feet(sites, dt, dt, flow))
 
 
 @answers("13.6")
 def wind_from_the_other_side(sites, u, dt, steps, flow, k):
-    """The field moves against the flow: its new values are looked up where the particles will be,
-    not where they were.
-    """
+    """The field moves against the flow: the points were traced forward in time."""
     return marched(sites, u, dt, steps, flow, k, lambda n: right_feet(sites, n * dt, -dt, flow))
 
 
 @answers("13.6")
 def transposed(sites, u, dt, steps, flow, k):
-    """The transpose of H is applied. It keeps sums, and moves things forward, but it deals each
-    value out to the sites about the foot: constants do not stay. (13.6) collects.
-    """
+    """The transpose of H was applied. In (13.6) row i of H gives the new value of site i."""
     return marched(
         sites,
         u,
@@ -362,9 +348,20 @@ def transposed(sites, u, dt, steps, flow, k):
 
 
 @answers("13.6")
+def one_array_in_all_rows(sites, u, dt, steps, flow, k):
+    """All rows after the first are equal to the last field. If one array is changed in place and
+    appended again and again, the list holds the same array many times: append a copy.
+    """
+    fields = marched(
+        sites, u, dt, steps, flow, k, lambda n: right_feet(sites, (n + 1) * dt, dt, flow)
+    )
+    return np.vstack([u, *steps * [fields[-1]]])
+
+
+@answers("13.6")
 def always_from_the_beginning(sites, u, dt, steps, flow, k):
-    """Each row is one step from the field at the beginning. A step begins where the last one
-    ended.
+    """Each row is one step from the initial field. A step must begin with the result of the step
+    before.
     """
     return marched(
         sites,
@@ -380,9 +377,7 @@ def always_from_the_beginning(sites, u, dt, steps, flow, k):
 
 @answers("13.6")
 def straight_feet(sites, u, dt, steps, flow, k):
-    """The feet are those of Euler's scheme. In a vortex they lie outside of the circle, and the
-    field shrinks towards the middle. Use your `rk4`.
-    """
+    """The departure points are those of Euler's scheme. Use your `rk4`."""
     return marched(
         sites, u, dt, steps, flow, k, lambda n: sites - dt * wind(sites, (n + 1) * dt, flow)
     )
@@ -390,14 +385,24 @@ def straight_feet(sites, u, dt, steps, flow, k):
 
 @answers("13.6")
 def feet_of_feet(sites, u, dt, steps, flow, k):
-    """The feet of the last step are traced back further, while the values have already been
-    moved. The values now are values at the sites: each step begins at these.
+    """The departure points of the last step were traced back further. In each step they begin at
+    the sites.
     """
     y, fields = sites, [u]
     for n in range(steps):
         y = right_feet(y, (n + 1) * dt, dt, flow)
         fields.append(matrix(sites, y, k) @ fields[-1])
     return np.array(fields)
+
+
+@answers("13.6")
+def forward_from_the_arrival(sites, u, dt, steps, flow, k):
+    """The field moves against the flow: the points were traced forward in time, beginning at the
+    time of arrival.
+    """
+    return marched(
+        sites, u, dt, steps, flow, k, lambda n: right_feet(sites, (n + 1) * dt, -dt, flow)
+    )
 
 
 # 13.8
@@ -409,41 +414,35 @@ def around(sites, feet, count):
 
 @answers("13.8")
 def of_all_sites(sites, u, feet):
-    """These are the extrema of the whole field. Ripples in the middle of a hill would pass;
-    (13.8) asks for those near the foot.
-    """
+    """These are the extreme values of the whole field. (13.8) uses four sites only."""
     return np.full(len(feet), u.min()), np.full(len(feet), u.max())
 
 
 @answers("13.8")
 def of_the_nearest_alone(sites, u, feet):
-    """Only one site is asked, so that both bounds are equal and nothing is left to reconstruct."""
+    """Only one site was used, so both bounds are equal. (13.8) uses four sites."""
     near = around(sites, feet, 1)[:, 0]
     return u[near], u[near]
 
 
 @answers("13.8")
 def three_sites(sites, u, feet):
-    """Three sites are asked; (13.8) names how many there are. Look at what a slice with an end
-    leaves out.
-    """
+    """Three sites were used. (13.8) uses four sites; a slice does not include its end."""
     near = u[around(sites, feet, 3)]
     return near.min(axis=1), near.max(axis=1)
 
 
 @answers("13.8")
 def exchanged(sites, u, feet):
-    """The upper bound is returned first. The docstring asks for l, then h; `np.clip` with
-    exchanged bounds returns nonsense without a word.
-    """
+    """The upper bound was returned first. The docstring requires l, then h."""
     near = u[around(sites, feet, 4)]
     return near.max(axis=1), near.min(axis=1)
 
 
 @answers("13.8")
 def of_the_extreme_values(sites, u, feet):
-    """The field is sorted, not the distances: these are the extrema of the four smallest values,
-    the same for every foot.
+    """The values were sorted instead of the distances: these are extreme values of the four
+    smallest values.
     """
     near = np.sort(u)[:4]
     return np.full(len(feet), near.min()), np.full(len(feet), near.max())
@@ -451,10 +450,26 @@ def of_the_extreme_values(sites, u, feet):
 
 @answers("13.8")
 def four_farthest(sites, u, feet):
-    """The four sites farthest from the foot are asked. Nearest come first when distances are
-    sorted.
+    """The four sites farthest from the foot were used. Sorting gives the smallest
+    distances first.
     """
     near = u[around(sites, feet, len(sites))[:, -4:]]
+    return near.min(axis=1), near.max(axis=1)
+
+
+@answers("13.8")
+def five_sites(sites, u, feet):
+    """Five sites were used. (13.8) uses four sites."""
+    near = u[around(sites, feet, 5)]
+    return near.min(axis=1), near.max(axis=1)
+
+
+@answers("13.8")
+def around_the_nearest_site(sites, u, feet):
+    """These are the extreme values around the *site* nearest to the foot. (13.8) uses the four
+    sites nearest to the foot itself.
+    """
+    near = u[around(sites, sites[around(sites, feet, 1)[:, 0]], 4)]
     return near.min(axis=1), near.max(axis=1)
 
 
@@ -463,7 +478,7 @@ def four_farthest(sites, u, feet):
 
 @answers("13.9")
 def bounds_alone(u, low, high, m, total):
-    """Values are put between their bounds, and the mass is left as it comes. The λ of (13.9) is
+    """The values were restricted to their bounds, but the mass was not corrected: λ of (13.9) is
     missing.
     """
     return np.clip(u, low, high)
@@ -471,31 +486,31 @@ def bounds_alone(u, low, high, m, total):
 
 @answers("13.9")
 def shifted_beyond_bounds(u, low, high, m, total):
-    """The mass is right, and the bounds are forgotten: all values are shifted alike. Bounds and
-    mass must hold together.
+    """The mass is right, but the bounds do not hold: all values were changed by the
+    same number.
     """
     return u + (total - m @ u) / m.sum()
 
 
 @answers("13.9")
 def clipped_after_the_shift(u, low, high, m, total):
-    """You shift for the mass first and clip then, which changes the mass again. λ has to be such
-    that it is right *after* the clipping.
+    """The values were shifted to the right mass and then restricted to the bounds, which changes
+    the mass again. The mass must be right *after* the restriction.
     """
     return np.clip(u + (total - m @ u) / m.sum(), low, high)
 
 
 @answers("13.9")
 def multiplied(u, low, high, m, total):
-    """The field is multiplied by a factor. The mass is right, but large values change more than
-    small ones, and those that are zero never; least change means that all are shifted alike.
+    """The field was multiplied by a factor. (13.9) adds the same λ to all values and applies the
+    bounds.
     """
     return u * (total / (m @ u))
 
 
 @answers("13.9")
 def areas_ignored(u, low, high, m, total):
-    """The values have the right sum, without their areas. Mass is value times area."""
+    """The sum of the values is right, but the areas m are missing: mass is value times area."""
     down, up = (low - u).min(), (high - u).max()
     wanted = total * len(m) / m.sum()
     for _ in range(80):
@@ -506,9 +521,7 @@ def areas_ignored(u, low, high, m, total):
 
 @answers("13.9")
 def changed_by_area(u, low, high, m, total):
-    """The change is proportional to the area, λ m. That is the least change if all sites count
-    alike; in the mean square with the weights m the areas cancel, see (13.9).
-    """
+    """The change is proportional to the area. In (13.9) the same λ is added to all values."""
     down, up = ((low - u) / m).min(), ((high - u) / m).max()
     for _ in range(80):
         middle = (down + up) / 2
@@ -520,12 +533,45 @@ def changed_by_area(u, low, high, m, total):
 
 @answers("13.9")
 def moved_between_the_bounds(u, low, high, m, total):
-    """All values are put at the same part of the way from their lower to their upper bound. Mass
-    and bounds are right, but the field itself is forgotten: u should be changed as little as
-    possible.
+    """Mass and bounds are right, but u was not used: all values are at the same fraction between
+    their bounds.
     """
     part = (total - m @ low) / (m @ (high - low))
     return low + part * (high - low)
+
+
+def halved(u, low, high, m, total, a, b):
+    for _ in range(100):
+        middle = (a + b) / 2
+        if m @ np.clip(u + middle, low, high) < total:
+            a = middle
+        else:
+            b = middle
+    return np.clip(u + (a + b) / 2, low, high)
+
+
+@answers("13.9", named=False)
+def shift_between_minus_one_and_one(u, low, high, m, total):
+    """The shift λ of (13.9) may be larger than 1 in absolute value."""
+    return halved(u, low, high, m, total, -1.0, 1.0)
+
+
+@answers("13.9", named=False)
+def shift_of_at_most_a_half(u, low, high, m, total):
+    """The shift λ of (13.9) may be larger than 1/2 in absolute value."""
+    return halved(u, low, high, m, total, -0.5, 0.5)
+
+
+@answers("13.9", named=False)
+def shift_within_the_range_of_the_values(u, low, high, m, total):
+    """The shift may be larger than the range of the values."""
+    return halved(u, low, high, m, total, -np.ptp(u), np.ptp(u))
+
+
+@answers("13.9", named=False)
+def shift_within_the_width_of_the_bounds(u, low, high, m, total):
+    """Values may be farther from their bounds than the bounds from each other."""
+    return halved(u, low, high, m, total, (low - high).min(), (high - low).max())
 
 
 # 13.11
@@ -540,24 +586,22 @@ def rounds_of(sites, u, dt, rounds, k, sign=-1.0, start=None):
 
 @answers("13.11")
 def velocity_of_arrival(sites, u, dt, rounds, k):
-    """The velocity of the site is used, not that of the foot: one round only. What arrives here
-    has the velocity of where it came from, and that is what the further rounds find out.
+    """The velocity is taken at the site in every round. In (13.10) it is taken at the last
+    approximation of the departure point.
     """
     return sites - dt * u[:, None]
 
 
 @answers("13.11")
 def downstream(sites, u, dt, rounds, k):
-    """These are the places at which the particles will be, with the sign of the step turned
-    round.
-    """
+    """The points are moved forward, with the flow. Check the sign in (13.10)."""
     return rounds_of(sites, u, dt, rounds, k, sign=1.0)
 
 
 @answers("13.11")
 def from_the_last_foot(sites, u, dt, rounds, k):
-    """Each round goes back a whole step from the last foot. All the rounds look for the same
-    foot: they begin at x each time.
+    """Each round goes back a whole step from the last approximation. In (13.10) each round begins
+    at x.
     """
     y = sites
     for _ in range(rounds):
@@ -567,8 +611,8 @@ def from_the_last_foot(sites, u, dt, rounds, k):
 
 @answers("13.11")
 def step_divided_by_the_rounds(sites, u, dt, rounds, k):
-    """The step is cut into as many parts as there are rounds. Rounds are no steps: each of them
-    uses the whole Δt, and they correct each other.
+    """The step was divided into as many parts as there are rounds. In (13.10) each round uses the
+    whole Δt and begins at x.
     """
     y = sites
     for _ in range(rounds):
@@ -578,13 +622,11 @@ def step_divided_by_the_rounds(sites, u, dt, rounds, k):
 
 @answers("13.11")
 def one_round_too_many(sites, u, dt, rounds, k):
-    """There is one round more than asked for: the beginning of (13.10) is x itself, and counts as
-    none.
-    """
+    """There is one round too many. The first approximation y⁰ = x counts as no round."""
     return rounds_of(sites, u, dt, rounds + 1, k)
 
 
 @answers("13.11")
 def values_at_the_feet(sites, u, dt, rounds, k):
-    """These are the values that arrive, s at the feet. Asked for are the feet."""
+    """These are the values at the departure points. Return the departure points themselves."""
     return (matrix(sites, rounds_of(sites, u, dt, rounds, k), k) @ u)[:, None]

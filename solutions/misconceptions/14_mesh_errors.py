@@ -1,4 +1,4 @@
-"""What students write instead of notebook 14, and what each of them should hear."""
+"""Mistakes in notebook 14, each with the sentence that the student reads."""
 
 import numpy as np
 
@@ -39,9 +39,8 @@ def distances(points):
 
 @answers("14.1")
 def rounded_to_a_grid(points, tolerance):
-    """The coordinates were rounded to multiples of the tolerance and then compared. Two points on
-    both sides of a border of that grid are told apart however near they are, and two far ends of
-    one cell are not. Compare distances.
+    """The coordinates were rounded to multiples of the tolerance and then compared. Two close
+    points on both sides of a rounding boundary are not merged. Compare distances.
     """
     steps = np.round(points / (tolerance or 1e-300)) if tolerance else points
     return np.array([int(np.argmax((steps == p).all(axis=1))) for p in steps])
@@ -49,16 +48,14 @@ def rounded_to_a_grid(points, tolerance):
 
 @answers("14.1")
 def exactly_equal_only(points, tolerance):
-    """Only points that are equal to the last digit were welded; the tolerance is not used. After
-    a rotation, or a detour through a file with six digits, hardly any two are.
-    """
+    """Only exactly equal points were merged: the tolerance was not used."""
     return np.array([int(np.argmax((points == p).all(axis=1))) for p in points])
 
 
 @answers("14.1")
 def each_coordinate_by_itself(points, tolerance):
-    """Each coordinate was compared with the tolerance by itself, which makes a cube of the ball
-    of (14.1). Its corners are farther away, by the root of three.
+    """Each coordinate was compared with the tolerance separately. (14.1) requires the distance,
+    which may be larger by a factor of up to the square root of 3.
     """
     near = (np.abs(points[:, None] - points) <= tolerance).all(axis=2)
     return np.argmax(near, axis=1)
@@ -66,9 +63,8 @@ def each_coordinate_by_itself(points, tolerance):
 
 @answers("14.1")
 def relative_tolerance(points, tolerance):
-    """`isclose` adds to the tolerance a part of the size of the numbers, 1e-5 if it is not told
-    otherwise. Far from the origin this is more than the distance of good vertices, and the mesh
-    collapses. Which argument turns it off?
+    """`isclose` adds 1e-5 times the size of the numbers to the tolerance, unless another `rtol` is
+    given. Far from the origin this merges different points.
     """
     near = np.isclose(points[:, None], points, atol=tolerance).all(axis=2)
     return np.argmax(near, axis=1)
@@ -76,25 +72,23 @@ def relative_tolerance(points, tolerance):
 
 @answers("14.1")
 def nearer_than_the_tolerance(points, tolerance):
-    """The distance had to be less than the tolerance. In (14.1) it may be equal: with the
-    tolerance zero a point is not even in its own place otherwise.
+    """The distance was required to be less than the tolerance. In (14.1) it may be equal. With the
+    tolerance 0, a point would not even be near itself.
     """
     return np.argmax(distances(points) < tolerance, axis=1)
 
 
 @answers("14.1")
 def last_in_its_place(points, tolerance):
-    """Each vertex got the last of those in its place. (14.1) takes the first: copies are added
-    behind what was there before, and the old numbers should survive.
-    """
+    """Each vertex was replaced by the last one within the tolerance. (14.1) takes the first."""
     near = distances(points) <= tolerance
     return len(points) - 1 - np.argmax(near[:, ::-1], axis=1)
 
 
 @answers("14.1")
 def numbered_anew(points, tolerance):
-    """The places were numbered anew, without gaps. Asked for is the number that the first vertex
-    in a place has already, so that triangles can go on to use the same list of points.
+    """The merged vertices were numbered again without gaps. (14.1) requires the old number of the
+    first vertex.
     """
     first = np.argmax(distances(points) <= tolerance, axis=1)
     return np.unique(first, return_inverse=True)[1]
@@ -102,58 +96,103 @@ def numbered_anew(points, tolerance):
 
 @answers("14.1")
 def whether_it_is_a_copy(points, tolerance):
-    """This says whether there is an earlier vertex in the same place. Asked for is which one."""
+    """This says whether there is an earlier vertex within the tolerance. Return its number."""
     return np.argmax(distances(points) <= tolerance, axis=1) < np.arange(len(points))
+
+
+@answers("14.1")
+def sum_of_the_differences(points, tolerance):
+    """The absolute differences of the coordinates were added. The distance in (14.1) is the square
+    root of the sum of squares.
+    """
+    return np.argmax(np.abs(points[:, None] - points).sum(axis=2) <= tolerance, axis=1)
+
+
+@answers("14.1")
+def whole_chains(points, tolerance):
+    """All points of a chain became one vertex, however long the chain is. (14.1) considers only
+    points whose own distance is at most the tolerance.
+    """
+    return parts(len(points), np.argwhere(distances(points) <= tolerance))
+
+
+@answers("14.1", named=False)
+def vertex_of_the_vertex(points, tolerance):
+    """The vertex that stands for another may itself stand for an earlier one."""
+    first = np.argmax(distances(points) <= tolerance, axis=1)
+    return first[first]
+
+
+@answers("14.1", named=False)
+def kept_vertices_only(points, tolerance):
+    """Only vertices that stand for themselves are considered, not all earlier ones."""
+    near, kept, found = distances(points) <= tolerance, [], []
+    for i in range(len(points)):
+        there = [j for j in kept if near[i, j]]
+        found.append(there[0] if there else i)
+        if not there:
+            kept.append(i)
+    return np.array(found)
+
+
+@answers("14.1", named=False)
+def tolerance_with_a_lower_bound(points, tolerance):
+    """A tolerance below 10⁻⁹ must not be replaced by another one."""
+    return np.argmax(distances(points) <= max(tolerance, 1e-9), axis=1)
 
 
 # 14.2 Counts
 
 
+@answers("14.2", named=False)
+def key_for_a_hundred_vertices(triangles):
+    """The key is not unique for vertices from 100 on."""
+    ends = np.sort(sides(triangles))
+    key = ends[:, 0] * 100 + ends[:, 1]
+    _, which, count = np.unique(key, return_inverse=True, return_counts=True)
+    return count[which]
+
+
 @answers("14.2")
 def by_direction(triangles):
-    """Sides were taken for different if they run in opposite directions. Two neighbours that are
-    rightly oriented do exactly that, so every edge of a good surface seems to be a boundary. An
-    edge has no direction.
+    """Sides that run in opposite directions were counted as different edges. In an oriented surface
+    all neighbours do this. An edge has no direction.
     """
     return counted(triangles, sides(triangles))
 
 
 @answers("14.2")
 def neighbours_only(triangles):
-    """These are the *other* triangles at each edge, one too few. A side at the boundary has an
-    edge of one triangle: its own.
-    """
+    """The numbers are too small by 1: the triangle itself was not counted."""
     return at_sides(triangles) - 1
 
 
 @answers("14.2")
 def opposite_side_first(triangles):
-    """The numbers are right and belong to other sides: of a triangle's three the first should be
-    that of the side from its first vertex to the second. `sides` has them in this order.
+    """The numbers are right, but in another order. `sides` begins with the side from the first
+    vertex to the second.
     """
     return np.roll(at_sides(triangles).reshape(-1, 3), -1, axis=1).ravel()
 
 
 @answers("14.2")
 def triangles_at_vertices(triangles):
-    """This counts the triangles at each vertex. An edge has two ends, and only triangles with
-    both of them have it.
+    """This counts the triangles at a vertex. An edge has two ends: count the triangles that have
+    both.
     """
     return np.bincount(triangles.ravel())[triangles].ravel()
 
 
 @answers("14.2")
 def whether_on_the_boundary(triangles):
-    """This says which sides are on the boundary. Asked for is the number of triangles: with more
-    than two of them an edge is wrong in another way.
-    """
+    """This says which sides belong to the boundary. Return the number of triangles."""
     return at_sides(triangles) == 1
 
 
 @answers("14.2")
 def ends_summed(triangles):
-    """Different edges got the same key, as with the sum of both ends: 1 and 4 make the same as 2
-    and 3. Compare both ends, sorted.
+    """Different edges have the same key, the sum of their ends: 1 + 4 equals 2 + 3. Compare both
+    ends, sorted.
     """
     key = sides(triangles).sum(axis=1)
     return np.bincount(key)[key]
@@ -168,52 +207,60 @@ def edges_of(triangles):
 
 @answers("14.3")
 def unused_vertices_counted(triangles):
-    """The vertices were taken from the largest number in the list. A file may hold points that no
-    triangle has, and they are no part of the surface.
+    """The number of vertices was taken from the largest number in the list. The file may contain
+    points that no triangle has, and they do not count.
     """
     return triangles.max() + 1 - len(edges_of(triangles)) + len(triangles)
 
 
 @answers("14.3")
 def all_sides_counted(triangles):
-    """Three edges were counted for each triangle. Neighbours share one: each edge counts once,
-    not once for each of its triangles.
-    """
+    """Three edges were counted for each triangle. An edge that two triangles share counts once."""
     return len(np.unique(triangles)) - 3 * len(triangles) + len(triangles)
 
 
 @answers("14.3")
 def as_if_it_were_closed(triangles):
-    """The number of edges was taken to be three halves of that of the triangles. That holds where
-    every edge has two of them, and is not even a whole number elsewhere.
+    """The number of edges was taken as 3F/2. This holds only if every edge has exactly two
+    triangles.
     """
     return len(np.unique(triangles)) - 1.5 * len(triangles) + len(triangles)
 
 
 @answers("14.3")
 def directions_told_apart(triangles):
-    """An edge was counted once for each direction in which it is run through. Sort its ends
-    before you compare.
-    """
+    """Edges were counted once for each direction of their sides. Sort the two ends first."""
     runs = np.unique(sides(triangles), axis=0)
     return len(np.unique(triangles)) - len(runs) + len(triangles)
 
 
 @answers("14.3")
 def handles(triangles):
-    """This is the number of handles that a closed surface in one piece would have. Asked for is χ
-    itself, which means something for every list of triangles.
-    """
+    """This is the number of handles, (2 − χ)/2. Return χ itself."""
     chi = len(np.unique(triangles)) - len(edges_of(triangles)) + len(triangles)
     return (2 - chi) / 2
 
 
 @answers("14.3")
 def signs_exchanged(triangles):
-    """The signs do not alternate as in (14.2): points plus, lines minus, areas plus. Try it on
-    one triangle, which has three, three and one.
-    """
+    """The signs in (14.2) are V − E + F. A single triangle has 3 vertices, 3 edges and χ = 1."""
     return len(np.unique(triangles)) + len(edges_of(triangles)) - len(triangles)
+
+
+@answers("14.3", named=False)
+def triangles_counted_once(triangles):
+    """A triangle that is listed twice was counted once."""
+    edges = np.unique(np.sort(sides(triangles)), axis=0)
+    faces = np.unique(np.sort(triangles), axis=0)
+    return len(np.unique(triangles)) - len(edges) + len(faces)
+
+
+@answers("14.3", named=False)
+def half_of_the_sides_of_many(triangles):
+    """An edge of four triangles was counted twice."""
+    count = counted(triangles, np.sort(sides(triangles)))
+    edges = np.sum(count == 1) + np.sum(count >= 2) // 2
+    return len(np.unique(triangles)) - edges + len(triangles)
 
 
 # 14.4 Loops
@@ -227,9 +274,9 @@ def looped(n, free):
 
 @answers("14.4")
 def sides_run_alike(n, triangles):
-    """A side was taken for free if no other runs the opposite way. Where one triangle is turned
-    over, its neighbours seem to have no partner, and loops appear inside of the surface. Boundary
-    is a matter of edges, not of direction.
+    """A side was taken as boundary if no other side runs in the opposite direction. Near an
+    inverted triangle this is wrong. A boundary edge is an edge with one triangle, whatever its
+    direction.
     """
     s = sides(triangles)
     runs = set(map(tuple, s.tolist()))
@@ -238,16 +285,16 @@ def sides_run_alike(n, triangles):
 
 @answers("14.4")
 def inner_vertices_named(n, triangles):
-    """Vertices off the boundary kept a name, their own. They are on no loop, which is to be -1:
-    `connected` takes a thing without links for a part of its own.
+    """Vertices that are on no loop have a name, their own. They must have −1: `connected` regards
+    an object without links as a component.
     """
     return parts(n, sides(triangles)[at_sides(triangles) == 1])
 
 
 @answers("14.4")
 def loops_of_the_whole_surface(n, triangles):
-    """Boundary vertices were joined through all edges of the surface, so that all loops of one
-    part have the same name. Round a hole lead only the edges of the boundary.
+    """Boundary vertices were linked across all edges of the surface, so all loops of a component
+    have the same name. Link them along boundary edges only.
     """
     label = parts(n, sides(triangles))
     label[~np.isin(np.arange(n), sides(triangles)[at_sides(triangles) == 1])] = -1
@@ -256,9 +303,8 @@ def loops_of_the_whole_surface(n, triangles):
 
 @answers("14.4")
 def edges_between_boundary_vertices(n, triangles):
-    """Edges were followed because both of their ends are on the boundary. An inner edge may be so
-    too, straight across a narrow strip, and joins two loops into one. Which edges have one
-    triangle?
+    """All edges between boundary vertices were used. Such an edge may be inside the surface and
+    link two loops. A boundary edge has exactly one triangle.
     """
     on = np.isin(np.arange(n), sides(triangles)[at_sides(triangles) == 1])
     s = sides(triangles)
@@ -269,25 +315,42 @@ def edges_between_boundary_vertices(n, triangles):
 
 @answers("14.4")
 def edges_of_two_triangles(n, triangles):
-    """These are the edges with two triangles, the inner ones. The boundary has one."""
+    """The edges with two triangles were used. A boundary edge has exactly one triangle."""
     return looped(n, sides(triangles)[at_sides(triangles) == 2])
 
 
 @answers("14.4")
 def only_on_the_boundary_or_not(n, triangles):
-    """This says of each vertex whether it is on a boundary. Asked for is on which loop, by the
-    name of its least vertex.
-    """
+    """This says which vertices are on a boundary. Return the smallest vertex of their loop."""
     return np.where(looped(n, sides(triangles)[at_sides(triangles) == 1]) >= 0, 1, -1)
 
 
 @answers("14.4")
 def loops_numbered(n, triangles):
-    """The loops were numbered 0, 1, 2 and so on. Asked for is another name, which does not depend
-    on the order in which they are found: the least of the vertices of the loop.
-    """
+    """The loops were numbered 0, 1, 2, … The name of a loop is its smallest vertex."""
     label = looped(n, sides(triangles)[at_sides(triangles) == 1])
     return np.searchsorted(np.unique(label[label >= 0]), label) - (label < 0)
+
+
+def loops_of(n, triangles, boundary):
+    free = sides(triangles)[boundary]
+    loop = parts(n, free)
+    loop[~np.isin(np.arange(n), free)] = -1
+    return loop
+
+
+@answers("14.4")
+def edges_of_many_triangles_too(n, triangles):
+    """Edges with three or more triangles were taken as boundary, too. A boundary edge has exactly
+    one triangle.
+    """
+    return loops_of(n, triangles, counted(triangles, np.sort(sides(triangles))) != 2)
+
+
+@answers("14.4", named=False)
+def edges_of_an_odd_number_of_triangles(n, triangles):
+    """Edges of three triangles were taken as boundary."""
+    return loops_of(n, triangles, counted(triangles, np.sort(sides(triangles))) % 2 == 1)
 
 
 # 14.5 Fans
@@ -301,23 +364,24 @@ def rims(n, triangles):
 
 @answers("14.5")
 def edges_less_triangles(n, triangles):
-    """Edges less triangles at a vertex is the number of *open* fans. One that goes all the way
-    round has as many edges as triangles, and was not counted.
+    """This is the number of edges minus the number of triangles at the vertex, which counts *open*
+    fans only. A closed fan has as many edges as triangles.
     """
     return np.array([len(np.unique(rim)) - len(here) for here, rim in rims(n, triangles)])
 
 
 @answers("14.5")
 def triangles_at_the_vertex(n, triangles):
-    """These are the triangles at each vertex. A fan is a set of them that hang together."""
+    """These are the numbers of triangles at each vertex. A fan is a set of triangles that are
+    connected across edges at the vertex.
+    """
     return np.bincount(triangles.ravel(), minlength=n)
 
 
 @answers("14.5")
 def parts_of_the_whole(n, triangles):
-    """Triangles were taken to be of one fan if there is any way between them on the surface. The
-    way has to stay at the vertex: two vertices of one sphere, made one, have two fans and a
-    surface in one piece.
+    """Two triangles were put into one fan if they are connected anywhere on the surface. They must
+    be connected across edges that end at the vertex.
     """
     count = []
     for v in range(n):
@@ -334,34 +398,30 @@ def _rim(v, triangles):
 
 @answers("14.5")
 def joined_by_the_vertex(n, triangles):
-    """Triangles count as connected because they share a vertex. But all of those at v share v: so
-    there can be only one fan. They must share an edge that ends there.
+    """Each vertex with triangles has one fan here. Triangles that share only the vertex belong to
+    different fans: they must share an edge.
     """
     return np.isin(np.arange(n), triangles)
 
 
 @answers("14.5")
 def isolated_vertices_have_one(n, triangles):
-    """A vertex that no triangle has got one fan. It has none: such points are in the list and not
-    in the surface.
-    """
+    """Vertices without triangles have one fan here. They must have none."""
     counts = [len(np.unique(parts(n, rim)[rim])) for _, rim in rims(n, triangles)]
     return np.maximum(counts, 1)
 
 
 @answers("14.5")
 def vertices_without_links_counted(n, triangles):
-    """All parts were counted that `connected` returns, and most of them are single vertices that
-    have nothing to do with v. Look only at those on the rim.
+    """All components returned by `connected` were counted, also the objects without links. Count
+    only those of the opposite sides.
     """
     return np.array([len(np.unique(parts(n, rim))) for _, rim in rims(n, triangles)])
 
 
 @answers("14.5")
 def whether_it_is_a_bow_tie(n, triangles):
-    """This says which vertices have more than one fan. Asked for is the number of fans, which
-    also tells a vertex without triangles from a good one.
-    """
+    """This says which vertices have more than one fan. Return the number of fans."""
     return np.array([len(np.unique(parts(n, rim)[rim])) > 1 for _, rim in rims(n, triangles)])
 
 
@@ -409,9 +469,8 @@ def assembled(m, found, one_sided=0.0):
 
 @answers("14.6")
 def normals_of_neighbours(points, triangles):
-    """Neighbours were taken to agree if their normals point in similar directions. Across a sharp
-    fold those of a well oriented surface point apart. The order of the vertices decides, and the
-    places of the points do not matter.
+    """Neighbours were compared by their normals. Across a sharp fold the normals of an oriented
+    surface may point apart. Only the order of the vertices matters.
     """
     n = normals(points, triangles)
     return assembled(len(triangles), walk(triangles, lambda t, s, alike: n[t] @ n[s] < 0))
@@ -419,9 +478,8 @@ def normals_of_neighbours(points, triangles):
 
 @answers("14.6")
 def away_from_the_middle(points, triangles):
-    """Triangles were turned so that they look away from the middle of all points. That works for
-    convex bodies: on the inner side of a torus the outside is towards the middle, and a sheet has
-    no outside.
+    """The triangles were oriented away from the mean of all points. This works for convex bodies
+    only, and the first triangle of each part must stay.
     """
     middle = points.mean(axis=0)
     out = np.einsum("ij,ij->i", normals(points, triangles), points[triangles].mean(axis=1) - middle)
@@ -430,25 +488,24 @@ def away_from_the_middle(points, triangles):
 
 @answers("14.6")
 def same_direction_agrees(points, triangles):
-    """Neighbours were taken to agree if they run along their edge in the same direction. It is
-    the other way round: draw two triangles, both of which run to the left, and follow their
-    common edge.
+    """Neighbours were taken to agree if they run along their common edge in the same direction.
+    They agree if the directions are opposite.
     """
     return assembled(len(triangles), walk(triangles, lambda t, s, alike: not alike))
 
 
 @answers("14.6")
 def one_sided_not_noticed(points, triangles):
-    """The strip of Möbius got signs as if it could be oriented. A walk comes back to its first
-    triangle with the other sign: look at triangles that have a sign already, too.
+    """The Möbius strip has signs here, as if it were orientable. A walk across its edges reaches a
+    triangle that already has the other sign.
     """
     return assembled(len(triangles), walk(triangles, lambda t, s, alike: alike), 1.0)
 
 
 @answers("14.6")
 def first_part_only(points, triangles):
-    """Only the part of the first triangle has signs. What is not connected to it must be begun
-    anew, with a sign of its own.
+    """Only the part of the first triangle has signs. Each part needs a first triangle
+    of its own.
     """
     found = list(walk(triangles, lambda t, s, alike: alike))
     return assembled(len(triangles), found[:1])
@@ -456,8 +513,8 @@ def first_part_only(points, triangles):
 
 @answers("14.6")
 def all_zero_if_one_part_is(points, triangles):
-    """One part with a single side made all others zero. Each part is judged by itself: the sphere
-    beside the strip of Möbius can be oriented.
+    """One part that is not orientable made all signs zero. Each part must be treated
+    separately.
     """
     found = list(walk(triangles, lambda t, s, alike: alike))
     return assembled(len(triangles), found) * (not any(bad for *_, bad in found))
@@ -465,9 +522,8 @@ def all_zero_if_one_part_is(points, triangles):
 
 @answers("14.6")
 def against_the_first(points, triangles):
-    """Each triangle was compared only with those before it, in the order of the list, and took
-    its sign from the last that it met. A triangle may come before its neighbours have a final
-    sign: go from neighbour to neighbour, or let `connected`.
+    """Each triangle was compared only with earlier triangles of the list. The sign of an earlier
+    triangle may not be final yet: go from neighbour to neighbour, or use `connected`.
     """
     sign = np.ones(len(triangles))
     seen = {}
@@ -484,12 +540,33 @@ def against_the_first(points, triangles):
 
 @answers("14.6")
 def whether_a_neighbour_disagrees(points, triangles):
-    """This marks the triangles that disagree with any of their neighbours. Of two that disagree
-    it marks both, and only one has to be turned: start from one triangle, and let the others
-    follow.
+    """All triangles that disagree with a neighbour were marked. If two neighbours disagree, only
+    one of them must be inverted.
     """
     s = sides(triangles)
     return np.where((counted(triangles, s) > 1).reshape(-1, 3).any(axis=1), -1, 1)
+
+
+@answers("14.6")
+def last_triangle_stays(points, triangles):
+    """Neighbours agree, but in some parts the triangle that stays is not the first one of the list.
+    By 14.6 the first triangle of each part must have the sign +1.
+    """
+    found = [
+        (part, signs * signs[np.argmax(part)], bad)
+        for part, signs, bad in walk(triangles, lambda t, s, alike: alike)
+    ]
+    return assembled(len(triangles), found)
+
+
+@answers("14.6", named=False)
+def most_triangles_stay(points, triangles):
+    """The first triangle of a part must stay, even if most others are inverted then."""
+    found = [
+        (part, signs * (1 if signs.sum() >= 0 else -1), bad)
+        for part, signs, bad in walk(triangles, lambda t, s, alike: alike)
+    ]
+    return assembled(len(triangles), found)
 
 
 # 14.7 Flat triangles
@@ -506,25 +583,22 @@ def twice_areas(points, triangles):
 
 @answers("14.7")
 def area_against_a_length(points, triangles, tolerance):
-    """An area was compared with a tolerance that is a length. A small triangle of good shape
-    seems to be flat then, and in other units the answer is another one. Which length of a
-    triangle vanishes when it gets flat?
+    """An area was compared with the tolerance, which is a length. Then small triangles of good
+    shape are called flat. (14.3) compares a height.
     """
     return twice_areas(points, triangles) / 2 <= tolerance
 
 
 @answers("14.7")
 def short_sides_only(points, triangles, tolerance):
-    """This finds triangles with a short side. A cap has three long ones, with one corner on the
-    opposite side, and is as flat.
-    """
+    """Triangles with a short side were found. A cap has three long sides and is flat as well."""
     return lengths(points, triangles).min(axis=0) <= tolerance
 
 
 @answers("14.7")
 def equal_names_only(points, triangles, tolerance):
-    """This finds triangles that name a vertex twice. Corners with different names may be in one
-    place, or on one line.
+    """Triangles that name a vertex twice were found. Corners with different numbers may also be at
+    the same point, or on one line.
     """
     a, b, c = triangles.T
     return (a == b) | (b == c) | (c == a)
@@ -532,42 +606,94 @@ def equal_names_only(points, triangles, tolerance):
 
 @answers("14.7")
 def exactly_zero(points, triangles, tolerance):
-    """Only areas that are exactly zero were found. Rounding leaves something of nearly every one:
-    the least height is to be compared with the tolerance.
+    """Only triangles with area exactly zero were found. (14.3) compares the smallest height with
+    the tolerance.
     """
     return twice_areas(points, triangles) == 0
 
 
 @answers("14.7")
 def the_greatest_height(points, triangles, tolerance):
-    """The greatest height was compared, that over the shortest side. A needle has one height that
-    is nearly as long as it is itself: the least one belongs to the longest side.
+    """The largest height was compared, that over the shortest side. The smallest height is that
+    over the longest side.
     """
     return twice_areas(points, triangles) <= tolerance * lengths(points, triangles).min(axis=0)
 
 
 @answers("14.7")
 def divided_by_zero(points, triangles, tolerance):
-    """Triangles whose corners are all in one place were called good. Zero divided by zero is no
-    number, and no number is less than anything. Multiply where you divide.
+    """Triangles whose corners are all at one point are not flat here. Their height is 0, which is
+    at most τ. Is the comparison strict, or is zero divided by zero?
     """
     return twice_areas(points, triangles) / lengths(points, triangles).max(axis=0) <= tolerance
 
 
 @answers("14.7")
 def half_of_the_height(points, triangles, tolerance):
-    """The area was divided by the longest side, which is half of the height: a factor of two is
-    missing.
+    """The values are those of half the height: the area was divided by the longest side. (14.3) has
+    2A.
     """
     return twice_areas(points, triangles) / 2 <= tolerance * lengths(points, triangles).max(axis=0)
 
 
 @answers("14.7")
 def relative_to_the_size(points, triangles, tolerance):
-    """The height was compared with a part of the size of the triangle: this is about shape. The
-    tolerance is a length, by which points may be off, however large the triangle is.
+    """The height was compared with τ times the longest side, a relative tolerance. In (14.3) τ is a
+    length.
     """
     return twice_areas(points, triangles) <= tolerance * lengths(points, triangles).max(axis=0) ** 2
+
+
+@answers("14.7", named=False)
+def small_number_added_to_the_tolerance(points, triangles, tolerance):
+    """The result must not depend on the unit of length."""
+    longest = lengths(points, triangles).max(axis=0)
+    return twice_areas(points, triangles) / (longest + 1e-12) <= tolerance + 1e-9
+
+
+@answers("14.7", named=False)
+def area_against_a_square(points, triangles, tolerance):
+    """The area was compared with the square of the tolerance."""
+    return twice_areas(points, triangles) / 2 <= tolerance**2
+
+
+@answers("14.7", named=False)
+def perimeter_for_longest_side(points, triangles, tolerance):
+    """The perimeter was used in place of the longest side."""
+    return twice_areas(points, triangles) <= tolerance * lengths(points, triangles).sum(axis=0)
+
+
+@answers("14.7", named=False)
+def first_side_for_longest_side(points, triangles, tolerance):
+    """One side was used in place of the longest side."""
+    return twice_areas(points, triangles) <= tolerance * lengths(points, triangles)[0]
+
+
+@answers("14.7", named=False)
+def second_side_for_longest_side(points, triangles, tolerance):
+    """One side was used in place of the longest side."""
+    return twice_areas(points, triangles) <= tolerance * lengths(points, triangles)[1]
+
+
+@answers("14.7", named=False)
+def longest_of_two_sides(points, triangles, tolerance):
+    """Two sides were compared, and the third side may be the longest one."""
+    longest = lengths(points, triangles)[:2].max(axis=0)
+    return twice_areas(points, triangles) <= tolerance * longest
+
+
+@answers("14.7", named=False)
+def longest_of_the_last_two_sides(points, triangles, tolerance):
+    """Two sides were compared, and the first side may be the longest one."""
+    longest = lengths(points, triangles)[1:].max(axis=0)
+    return twice_areas(points, triangles) <= tolerance * longest
+
+
+@answers("14.7", named=False)
+def middle_side(points, triangles, tolerance):
+    """The side of middle length was used in place of the longest side."""
+    middle = np.sort(lengths(points, triangles), axis=0)[1]
+    return twice_areas(points, triangles) <= tolerance * middle
 
 
 # 14.8 Pierced
@@ -589,8 +715,8 @@ def plane(start, end, corners):
 
 @answers("14.8")
 def the_whole_straight_line(start, end, corners):
-    """Only the second part of (14.5) was asked: whether the straight line through both points
-    meets the triangle. It may do so beyond its ends.
+    """Only the second condition of (14.5) was tested. Then the straight line through both points
+    meets the triangle, but the segment need not reach it.
     """
     one, two, three = sides_of_line(start, end, corners)
     return (one == two) & (two == three)
@@ -598,8 +724,8 @@ def the_whole_straight_line(start, end, corners):
 
 @answers("14.8")
 def the_whole_plane(start, end, corners):
-    """Only the first part of (14.5) was asked: whether the ends are on different sides of the
-    plane. The plane goes on beyond the triangle.
+    """Only the first condition of (14.5) was tested. Then the segment crosses the plane of the
+    triangle, perhaps outside the triangle.
     """
     p, q = plane(start, end, corners)
     return p * q < 0
@@ -607,8 +733,8 @@ def the_whole_plane(start, end, corners):
 
 @answers("14.8")
 def from_one_side_only(start, end, corners):
-    """Only lines that pass in one direction were found: all three signs had to be positive.
-    Through the other side of a triangle they are all negative.
+    """Only segments of one direction were found: all three signs of the second condition were
+    required to be positive. For the other direction they are all negative.
     """
     p, q = plane(start, end, corners)
     one, two, three = sides_of_line(start, end, corners)
@@ -617,9 +743,7 @@ def from_one_side_only(start, end, corners):
 
 @answers("14.8")
 def two_sides_only(start, end, corners):
-    """Only two of the three signs were compared: so the line may lie beyond the third side of the
-    triangle.
-    """
+    """Only two of the three signs were compared. The segment may pass beyond the third edge."""
     p, q = plane(start, end, corners)
     one, two, _ = sides_of_line(start, end, corners)
     return (p * q < 0) & (one == two)
@@ -627,8 +751,8 @@ def two_sides_only(start, end, corners):
 
 @answers("14.8")
 def not_round_the_triangle(start, end, corners):
-    """The three sides were not taken in the order round the triangle: with a to c in the place of
-    c to a one of the signs is the wrong way round.
+    """The edges were not taken in the order round the triangle: a to c was used in place of c to a.
+    This inverts one sign.
     """
     a, _, c = corners.swapaxes(0, 1)
     p, q = plane(start, end, corners)
@@ -638,8 +762,8 @@ def not_round_the_triangle(start, end, corners):
 
 @answers("14.8")
 def both_on_one_side(start, end, corners):
-    """The ends had to be on the same side of the plane. A line between such points does not reach
-    it.
+    """The ends were required to be on the same side of the plane. They must be on
+    different sides.
     """
     p, q = plane(start, end, corners)
     one, two, three = sides_of_line(start, end, corners)
@@ -648,8 +772,8 @@ def both_on_one_side(start, end, corners):
 
 @answers("14.8")
 def middle_of_the_line(start, end, corners):
-    """It was tested whether the middle between both ends lies over the triangle. The line meets
-    the plane somewhere else, unless both are as far away from it.
+    """The midpoint of the segment was tested. The segment meets the plane at another point, unless
+    both ends are equally far away.
     """
     a, b, c = corners.swapaxes(0, 1)
     n = np.cross(b - a, c - a)
@@ -659,3 +783,37 @@ def middle_of_the_line(start, end, corners):
     ]
     p, q = plane(start, end, corners)
     return (p * q < 0) & np.all(inside, axis=0)
+
+
+@answers("14.8", named=False)
+def opposite_or_both_zero(start, end, corners):
+    """A segment in the plane of the triangle was called piercing."""
+    p, q = plane(start, end, corners)
+    one, two, three = sides_of_line(start, end, corners)
+    return (p == -q) & (one == two) & (two == three)
+
+
+@answers("14.8")
+def ends_in_the_plane_too(start, end, corners):
+    """Segments that end in the plane of the triangle were found, too. What does "≠ 0" in (14.5)
+    exclude?
+    """
+    p, q = plane(start, end, corners)
+    one, two, three = sides_of_line(start, end, corners)
+    return (p * q <= 0) & (one == two) & (two == three)
+
+
+@answers("14.8", named=False)
+def signs_that_differ(start, end, corners):
+    """A segment that ends in the plane of the triangle was called piercing."""
+    p, q = plane(start, end, corners)
+    one, two, three = sides_of_line(start, end, corners)
+    return (p != q) & (one == two) & (two == three)
+
+
+@answers("14.8", named=False)
+def positive_or_not(start, end, corners):
+    """Zero was treated as negative, so a segment that ends in the plane was called piercing."""
+    p, q = (s > 0 for s in plane(start, end, corners))
+    one, two, three = (s > 0 for s in sides_of_line(start, end, corners))
+    return (p != q) & (one == two) & (two == three)

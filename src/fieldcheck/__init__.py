@@ -3,6 +3,7 @@
 The package needs NumPy and matplotlib, and contains no solutions.
 """
 
+from fieldcheck.datasets import terrain
 from fieldcheck.drag import drag
 from fieldcheck.figures import (
     BLUE,
@@ -16,7 +17,7 @@ from fieldcheck.figures import (
     figure,
     svg,
 )
-from fieldcheck.notebook import Progress, check, data, progress, start_over
+from fieldcheck.notebook import Progress, case, check, data, progress, start_over
 from fieldcheck.verdict import Verdict
 
 __all__ = [
@@ -29,6 +30,7 @@ __all__ = [
     "Progress",
     "Slider",
     "Verdict",
+    "case",
     "check",
     "data",
     "drag",
@@ -37,4 +39,5 @@ __all__ = [
     "progress",
     "start_over",
     "svg",
+    "terrain",
 ]

@@ -95,12 +95,20 @@ def _distance(question: Question, call: Call, one: Outcome, other: Outcome, righ
 
 
 def _plain_distance(values: Values, known: Values, tolerance: float) -> float:
-    """Compare values without a normal form: wrong shapes, or values that are not finite."""
+    """Compare values without a normal form: wrong shapes, or values that are not finite.
+
+    The order of rows is ignored.
+    """
     same = (
         np.allclose(a, b, rtol=tolerance, atol=tolerance * _scale(b), equal_nan=True)
-        for a, b in zip(values, known, strict=True)
+        for a, b in zip(map(rows_sorted, values), map(rows_sorted, known), strict=True)
     )
     return 0.0 if all(same) else np.inf
+
+
+def rows_sorted(a: np.ndarray) -> np.ndarray:
+    """Return a matrix with its rows in an order that rounding errors do not change."""
+    return a[np.lexsort(np.round(a / _scale(a), 6).T)] if a.ndim == 2 and a.size else a
 
 
 def _scale(array: np.ndarray) -> float:

@@ -15,6 +15,7 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from numbers import Real
 from types import CodeType
 from typing import Any, Literal
 
@@ -22,6 +23,9 @@ import numpy as np
 
 Status = Literal["returned", "raised", "unwritten", "missing", "timed out"]
 Values = tuple[np.ndarray, ...]
+
+MOST_ARRAYS = 4
+"""No function of the course returns more arrays."""
 
 
 @dataclass(frozen=True)
@@ -140,16 +144,22 @@ def _perform_one(function: Callable[..., Any] | None, call: Call, limit: float) 
 def as_arrays(result: object) -> Values | None:
     """Return a result as arrays, or None if it is not numeric.
 
+    A tuple holds several arrays, as does a short list that is not rectangular.
+
     Examples
     --------
     >>> as_arrays([1, 2])
     (array([1, 2]),)
-    >>> len(as_arrays((1.0, [2, 3])))
-    2
-    >>> as_arrays("three") is as_arrays([1, [2, 3]]) is None
+    >>> len(as_arrays((1.0, [2, 3]))), len(as_arrays([1.0, [2, 3]]))
+    (2, 2)
+    >>> as_arrays("three") is as_arrays([[[1], 2], 3]) is as_arrays(None) is None
     True
+    >>> as_arrays(np.array([1, 2], dtype=object))
+    (array([1., 2.]),)
     """
     parts = result if isinstance(result, tuple) else (result,)
+    if isinstance(result, list) and len(result) <= MOST_ARRAYS and _as_array(result) is None:
+        parts = tuple(result)
     arrays = tuple(_as_array(part) for part in parts)
     return None if not arrays or any(array is None for array in arrays) else arrays  # type: ignore[return-value]
 
@@ -157,7 +167,9 @@ def as_arrays(result: object) -> Values | None:
 def _as_array(part: object) -> np.ndarray | None:
     try:
         array = np.array(part)
-    except Exception:  # a ragged list, or an object that refuses
+        if array.dtype.kind == "O" and all(isinstance(x, Real) for x in array.flat):
+            array = array.astype(float)
+    except Exception:  # a ragged list, or an object that is not a number
         return None
     return array if array.dtype.kind in "biufc" else None
 

@@ -1,4 +1,4 @@
-"""Judge outcomes: the rungs of the ladder in order, and the sentence of the first that fails.
+"""Judge outcomes: look for all findings in order, and report the sentence of the first.
 
 The judge sees calls and outcomes, and never the function itself.
 """
@@ -11,14 +11,16 @@ import numpy as np
 
 from fieldcheck.answers import Answers
 from fieldcheck.calls import Call, Outcome, Values
-from fieldcheck.question import LEAST_TOLERANCE, Question, scale
+from fieldcheck.patterns import are_truth_values, pattern
+from fieldcheck.question import LEAST_TOLERANCE, Law, Question, scale
 from fieldcheck.shapes import fitted, in_words, shape_in_words
-from fieldcheck.verdict import LADDER, Rung, Verdict
+from fieldcheck.verdict import FINDINGS, Finding, Verdict
 
 TIMEOUT_FACTOR = 4.0
 """A call is stopped after this multiple of its time limit."""
 
-NOT_RECOGNISABLE = ("missing", "unwritten", "endless", "modified")
+NOT_RECOGNISABLE = ("missing", "unwritten", "endless", "modified", "slow")
+"""Failures that are reported as they are; the values of a slow answer are right."""
 
 
 def judge(
@@ -42,18 +44,19 @@ def judge(
     """
     failures = list(_failures(question, calls, outcomes, answers))
     if not failures:
-        return Verdict(question.name, "right", _note(question, outcomes))
-    rung, sentence, call = min(failures, key=lambda failure: LADDER.index(failure[0]))
-    if answers and rung not in NOT_RECOGNISABLE:
+        return Verdict(question.name, "right", _note(question, calls, outcomes))
+    finding, sentence, call = min(failures, key=lambda failure: FINDINGS.index(failure[0]))
+    if answers and finding not in NOT_RECOGNISABLE:
         mistake = answers.recognise(question, calls, outcomes)
         if mistake:
             return Verdict(question.name, "misconception", mistake.sentence, mistake.name, call)
-    return Verdict(question.name, rung, sentence, call=call)
+    return Verdict(question.name, finding, sentence, call=call)
 
 
-def _note(question: Question, outcomes: Sequence[Outcome]) -> str:
+def _note(question: Question, calls: Sequence[Call], outcomes: Sequence[Outcome]) -> str:
     """Return a hint on a right answer that is a list rather than an array."""
-    if not any(outcome.returned for outcome in outcomes):
+    listed = any(outcome.returned for outcome in outcomes)
+    if not listed or any(len(question.shapes(call)) > 1 for call in calls):
         return ""
     return (
         f"But {question.function} returns a list. Where it is used below, arithmetic needs an "
@@ -61,7 +64,7 @@ def _note(question: Question, outcomes: Sequence[Outcome]) -> str:
     )
 
 
-Failure = tuple[Rung, str, int | None]
+Failure = tuple[Finding, str, int | None]
 
 
 def _failures(
@@ -73,9 +76,9 @@ def _failures(
     """Yield the failures of single calls, then those that only all calls together show."""
     found = False
     for index, (call, outcome) in enumerate(zip(calls, outcomes, strict=True)):
-        for rung, sentence in _form(question, call, outcome):
+        for finding, sentence in _form(question, call, outcome):
             found = True
-            yield rung, sentence, index
+            yield finding, sentence, index
     if found:
         return
     values = [
@@ -87,7 +90,7 @@ def _failures(
         yield "slow", _slow(question, calls[slowest], outcomes[slowest]), slowest
 
 
-def _form(question: Question, call: Call, outcome: Outcome) -> Iterator[tuple[Rung, str]]:
+def _form(question: Question, call: Call, outcome: Outcome) -> Iterator[tuple[Finding, str]]:
     """Yield the failures of an outcome that do not depend on its values."""
     name = question.function
     if outcome.status == "missing":
@@ -108,7 +111,7 @@ def _form(question: Question, call: Call, outcome: Outcome) -> Iterator[tuple[Ru
 
 def _array_form(
     question: Question, call: Call, outcome: Outcome, returned: Values
-) -> Iterator[tuple[Rung, str]]:
+) -> Iterator[tuple[Finding, str]]:
     shapes = question.shapes(call)
     values = fitted(returned, shapes)
     wanted = " and ".join(map(shape_in_words, shapes))
@@ -145,45 +148,95 @@ def _array_form(
 def _wrong(
     question: Question, calls: Sequence[Call], values: Sequence[Values], answers: Answers | None
 ) -> Iterator[Failure]:
-    """Yield the first violated law, with the largest difference from the right answer."""
-    index, difference = _difference(question, calls, values, answers)
+    """Yield the first violated law and a case that violates it, or the largest difference."""
+    units = _units(question, calls, values, answers)
+    off = [max(d.max(initial=0.0) for d in parts) for parts in units]
+    worst = int(np.argmax(off)) if off and max(off) > 1 else None
+    common = (
+        pattern(question, calls, values, answers.right) if answers and worst is not None else ""
+    )
     for law in question.laws:
-        with np.errstate(all="ignore"):  # wrong values may be of any size
-            deviation = float(law.deviation(calls, values))
+        deviation = _deviation(law, calls, values)
         if not deviation <= law.tolerance:
-            yield (
-                "wrong",
-                f"{law.sentence} {difference or _off(deviation, law.tolerance)}".strip(),
-                index,
-            )
+            shown = _violating(law, calls, values, answers.right, off) if answers else None
+            text = _off(deviation, law.tolerance)
+            if answers and shown is not None:
+                text = _difference(question, calls[shown], units[shown], answers.right, shown)
+            yield "wrong", _joined(law.sentence, text, common), worst if shown is None else shown
             return
-    if difference:
-        yield "wrong", difference, index
+    if answers and worst is not None:
+        text = _difference(question, calls[worst], units[worst], answers.right, worst)
+        yield "wrong", _joined(text, common), worst
+
+
+def _joined(*sentences: str) -> str:
+    return " ".join(filter(None, sentences))
+
+
+def _deviation(law: Law, calls: Sequence[Call], values: Sequence[Values]) -> float:
+    with np.errstate(all="ignore"):  # wrong values may be of any size
+        return float(law.deviation(calls, values))
+
+
+def _violating(
+    law: Law,
+    calls: Sequence[Call],
+    values: Sequence[Values],
+    right: Sequence[Values],
+    off: Sequence[float],
+) -> int | None:
+    """Return the call with the largest difference among those that alone violate a law.
+
+    A law may compare calls, so the others get their right values.
+    """
+    violating = [
+        index
+        for index, difference in enumerate(off)
+        if difference > 1
+        and not _deviation(law, calls, [*right[:index], values[index], *right[index + 1 :]])
+        <= law.tolerance
+    ]
+    return max(violating, key=lambda index: off[index], default=None)
+
+
+def _units(
+    question: Question, calls: Sequence[Call], values: Sequence[Values], answers: Answers | None
+) -> list[list[np.ndarray]]:
+    """Return the differences from the right answer in units of the tolerance, if it is known."""
+    if answers is None:
+        return []
+    triples = zip(calls, values, answers.right, strict=True)
+    return [question.differences(*triple) for triple in triples]
 
 
 def _difference(
-    question: Question, calls: Sequence[Call], values: Sequence[Values], answers: Answers | None
-) -> tuple[int | None, str]:
-    """Return the call with the largest difference from the right answer, and a description."""
-    if answers is None:
-        return None, ""
-    triples = zip(calls, values, answers.right, strict=True)
-    differences = [question.differences(*triple) for triple in triples]
-    worst = int(np.argmax([max(d.max(initial=0.0) for d in parts) for parts in differences]))
-    part = int(np.argmax([d.max(initial=0.0) for d in differences[worst]]))
-    units = differences[worst][part]
-    if units.max(initial=0.0) <= 1:
-        return None, ""
-    call, wanted = calls[worst], answers.right[worst][part]
-    tolerance = max(question.tolerance(call), LEAST_TOLERANCE) * scale(wanted)
-    off = units.max() * tolerance
-    text = f"For {call.case}, {_entry(units, part, len(differences[worst]))} is off by {off:.2g}"
+    question: Question,
+    call: Call,
+    units: Sequence[np.ndarray],
+    answers: Sequence[Values],
+    index: int,
+) -> str:
+    """Describe the largest difference of a call from its right answer, which has this index."""
+    right = answers[index]
+    part = int(np.argmax([d.max(initial=0.0) for d in units]))
+    wanted = right[part]
+    compared = question.normal_form(call, right)[part]
+    tolerance = max(question.tolerance(call), LEAST_TOLERANCE) * scale(compared)
+    off = units[part].max() * tolerance
+    entry = _entry(units[part], part, len(units))
+    if np.isclose(off, 1) and are_truth_values(answers):
+        return f"For {call.case}, {entry} {_of_two(compared.flat[int(np.argmax(units[part]))])}."
+    text = f"For {call.case}, {entry} is off by {off:.2g}"
     if _whole(wanted):
-        return worst, f"{text}; all values here are whole numbers."
-    return worst, (
+        return f"{text}; all values here are whole numbers."
+    return (
         f"{text}, where the largest right value is {scale(wanted):.2g}; "
         f"rounding explains {tolerance:.0e}."
     )
+
+
+def _of_two(right: float) -> str:
+    return "must be 1, or True" if right else "must be 0, or False"
 
 
 def _off(deviation: float, tolerance: float) -> str:

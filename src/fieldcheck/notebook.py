@@ -1,16 +1,20 @@
-"""The functions that a notebook calls: `check`, `progress`, `data`, `start_over`."""
+"""The functions that a notebook calls: `check`, `case`, `progress`, `data`, `start_over`."""
 
 from __future__ import annotations
 
 import html
 import json
 import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from fieldcheck.answers import public_answers
-from fieldcheck.calls import perform
+from fieldcheck.answers import Answers, public_answers
+from fieldcheck.calls import Call, Outcome, perform
+from fieldcheck.earlier_answers import explained_by_earlier
+from fieldcheck.failed_case import FailedCase, failed_case
 from fieldcheck.judge import TIMEOUT_FACTOR, judge
 from fieldcheck.pictures import picture_of_difference
 from fieldcheck.question import Question
@@ -21,12 +25,20 @@ from fieldcheck.verdict import CREDIT, Verdict
 RECORD = ".progress.json"
 """The file beside the notebooks that stores the verdicts."""
 
+Row = tuple[str, str, str, int]
+"""A question, its function, the verdict, and its points."""
+
+_failed: dict[str, FailedCase] = {}
+"""The failed case of each question, the latest last."""
+
 
 def check(name: str, functions: dict[str, Any] | None = None) -> Verdict:
     """Check the answer to a question, and report the first problem, if there is any.
 
     Your function is called first with inputs that are the same for everybody, whose right answer is
     known, then with your own inputs, for which laws are checked that every right answer satisfies.
+    If it is not right and calls a function of an earlier question that is not right either, the
+    check names that question, which must be corrected first.
 
     Parameters
     ----------
@@ -37,26 +49,80 @@ def check(name: str, functions: dict[str, Any] | None = None) -> Verdict:
     """
     question = get(name)
     functions = _notebook_namespace() if functions is None else functions
-    verdict = try_public(question, functions)
-    if verdict.right:
-        verdict = try_seed(question, functions, seed(student(), name))
+    tried = _try_both(question, functions)
+    verdict = picture_of_difference(
+        tried.verdict, question, tried.calls, tried.outcomes, tried.answers
+    )
     _remember(verdict)
     return verdict
 
 
+@dataclass(frozen=True)
+class _Tried:
+    """The calls of an answer, their outcomes, the known answers, and the verdict."""
+
+    calls: Sequence[Call]
+    outcomes: Sequence[Outcome]
+    answers: Answers | None
+    verdict: Verdict
+
+
 def try_public(question: Question, functions: dict[str, Any]) -> Verdict:
     """Judge the outcomes of the public cases."""
-    calls = question.inputs(seed(EVERYBODY, question.name))
-    outcomes = perform(functions, calls, TIMEOUT_FACTOR * question.limit)
-    answers = public_answers(question.notebook).get(question.name)
-    verdict = judge(question, calls, outcomes, answers)
-    return picture_of_difference(verdict, question, calls, outcomes, answers)
+    return _try_public(question, functions).verdict
 
 
 def try_seed(question: Question, functions: dict[str, Any], number: int) -> Verdict:
     """Judge the outcomes for the inputs of a seed, by the laws alone."""
+    return _try(question, functions, number, None).verdict
+
+
+def _try_both(question: Question, functions: dict[str, Any]) -> _Tried:
+    """Try the public cases and, if they are right, the student's own inputs."""
+    public = _try_public(question, functions)
+    if not public.verdict.right:
+        return public
+    return _try(question, functions, seed(student(), question.name), None)
+
+
+def _try_public(question: Question, functions: dict[str, Any]) -> _Tried:
+    answers = public_answers(question.notebook).get(question.name)
+    return _try(question, functions, seed(EVERYBODY, question.name), answers)
+
+
+def _try(
+    question: Question, functions: dict[str, Any], number: int, answers: Answers | None
+) -> _Tried:
     calls = question.inputs(number)
-    return judge(question, calls, perform(functions, calls, TIMEOUT_FACTOR * question.limit))
+    outcomes = perform(functions, calls, TIMEOUT_FACTOR * question.limit)
+    verdict = judge(question, calls, outcomes, answers)
+    if verdict.finding not in ("right", "missing"):
+        verdict = explained_by_earlier(
+            verdict, question, calls, functions, lambda q: _try_both(q, functions).verdict
+        )
+    _failed.pop(question.name, None)
+    if failed := failed_case(verdict, question, calls, outcomes, answers):
+        _failed[question.name] = failed
+    return _Tried(calls, outcomes, answers, verdict)
+
+
+def case(name: str = "") -> FailedCase:
+    """Return the case for which a check failed: arguments, returned values, and right values.
+
+    Parameters
+    ----------
+    name : str, optional
+        The question; by default that of the last check that was not right.
+
+    Raises
+    ------
+    ValueError
+        If no check of this question has failed since the notebook was started.
+    """
+    found = _failed.get(get(name).name) if name else next(reversed(_failed.values()), None)
+    if found is None:
+        raise ValueError(f"no check of {name or 'a question'} has failed; run a check first")
+    return found
 
 
 def data(name: str) -> tuple[Any, ...]:
@@ -68,7 +134,10 @@ def data(name: str) -> tuple[Any, ...]:
 
 
 def progress() -> Progress:
-    """Return your progress: questions, verdicts and points of the notebooks that you began."""
+    """Return your progress: questions, verdicts and points of the notebooks that you began.
+
+    Optional questions have a table and a sum of their own.
+    """
     return Progress(_record())
 
 
@@ -90,44 +159,92 @@ def stubs() -> dict[str, str]:
     return dict(json.loads((files("fieldcheck") / "stubs.json").read_text(encoding="utf-8")))
 
 
+def optional_questions() -> frozenset[str]:
+    """Return the names of the optional questions."""
+    outline = json.loads((files("fieldcheck") / "outline.json").read_text(encoding="utf-8"))
+    return frozenset(outline["optional"])
+
+
 class Progress:
-    """A table of questions and verdicts."""
+    """A table of questions and verdicts: those of the core, then the optional ones."""
 
     def __init__(self, record: dict[str, str]) -> None:
         begun = {name.partition(".")[0] for name in record}
-        self.rows = [
+        optional = optional_questions()
+        rows = [
             (q.name, q.function, record.get(q.name, "unwritten"), q.points)
             for q in questions().values()
             if q.notebook in begun or not begun
         ]
+        self.core = [row for row in rows if row[0] not in optional]
+        self.optional = [row for row in rows if row[0] in optional]
+
+    @property
+    def rows(self) -> list[Row]:
+        """All rows: name, function, verdict, points."""
+        return self.core + self.optional
 
     @property
     def earned(self) -> float:
-        """The points that the right answers would earn."""
-        return sum(CREDIT.get(rung, 0.0) * points for *_, rung, points in self.rows)
+        """The points that the right answers of the core would earn."""
+        return _earned(self.core)
 
     @property
     def possible(self) -> int:
-        """The points of all questions."""
-        return sum(points for *_, points in self.rows)
+        """The points of the core."""
+        return _possible(self.core)
+
+    @property
+    def _parts(self) -> list[tuple[str, list[Row]]]:
+        parts = [("core", self.core), ("optional", self.optional)]
+        return [part for part in parts if part[1]]
+
+    def _total(self, part: str, rows: list[Row]) -> str:
+        name = f", {part}" if self.optional else ""
+        return f"{_earned(rows):g} of {_possible(rows)} points{name}"
 
     def __repr__(self) -> str:
-        lines = [f"{name}  {function:<32} {_symbol(rung)}" for name, function, rung, _ in self.rows]
-        return "\n".join([*lines, f"{self.earned:g} of {self.possible} points"])
+        return "\n".join(
+            line
+            for part, rows in self._parts
+            for line in (
+                *(
+                    f"{name}  {function:<32} {_symbol(finding)}"
+                    for name, function, finding, _ in rows
+                ),
+                self._total(part, rows),
+            )
+        )
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{name}</td><td style='text-align:left'><code>{function}</code></td>"
-            f"<td style='text-align:left'>{html.escape(_symbol(rung))}</td><td>{points}</td></tr>"
-            for name, function, rung, points in self.rows
+        left = "style='text-align:left'"
+        head = f"<tr><th></th><th {left}>function</th><th></th><th>points</th></tr>"
+        return "".join(
+            f"<table>{head}{''.join(map(_html_row, rows))}</table><p>{self._total(part, rows)}</p>"
+            for part, rows in self._parts
         )
-        head = "<tr><th></th><th style='text-align:left'>function</th><th></th><th>points</th></tr>"
-        total = f"<p>{self.earned:g} of {self.possible} points</p>"
-        return f"<table>{head}{rows}</table>{total}"
 
 
-def _symbol(rung: str) -> str:
-    return {"right": "✓ right", "unwritten": "·", "missing": "·"}.get(rung, f"✗ {rung}")
+def _earned(rows: list[Row]) -> float:
+    return sum(CREDIT.get(finding, 0.0) * points for *_, finding, points in rows)
+
+
+def _possible(rows: list[Row]) -> int:
+    return sum(points for *_, points in rows)
+
+
+def _html_row(row: Row) -> str:
+    name, function, finding, points = row
+    return (
+        f"<tr><td>{name}</td><td style='text-align:left'><code>{function}</code></td>"
+        f"<td style='text-align:left'>{html.escape(_symbol(finding))}</td><td>{points}</td></tr>"
+    )
+
+
+def _symbol(finding: str) -> str:
+    return {"right": "✓ right", "unwritten": "·", "missing": "·", "inherited": "· waits"}.get(
+        finding, f"✗ {finding}"
+    )
 
 
 def _record() -> dict[str, str]:
@@ -139,7 +256,7 @@ def _record() -> dict[str, str]:
 
 
 def _remember(verdict: Verdict) -> None:
-    record = _record() | {verdict.question: verdict.rung}
+    record = _record() | {verdict.question: verdict.finding}
     try:
         (Path.cwd() / RECORD).write_text(json.dumps(record, sort_keys=True), encoding="utf-8")
     except OSError:

@@ -11,7 +11,7 @@ import numpy as np
 from fieldcheck.answers import Answers
 from fieldcheck.calls import Call, Outcome
 from fieldcheck.figures import figure, svg
-from fieldcheck.question import Question
+from fieldcheck.question import Question, unchanged
 from fieldcheck.shapes import fitted
 from fieldcheck.verdict import Verdict
 
@@ -29,7 +29,7 @@ def picture_of_difference(
     answers: Answers | None,
 ) -> Verdict:
     """Return the verdict with a picture, if the right values are known."""
-    if answers is None or verdict.call is None or verdict.rung not in ("wrong", "misconception"):
+    if answers is None or verdict.call is None or verdict.finding not in ("wrong", "misconception"):
         return verdict
     call, right = calls[verdict.call], answers.right[verdict.call]
     returned = outcomes[verdict.call].values
@@ -39,30 +39,31 @@ def picture_of_difference(
     worst = max(range(len(right)), key=lambda i: float(np.abs(values[i] - right[i]).max(initial=0)))
     if right[worst].size < FEWEST or not np.isfinite(values[worst]).all():
         return verdict
-    return replace(verdict, picture=_drawn(call, values[worst], right[worst]))
+    name = "right" if question.normal_form is unchanged else "one right answer"
+    return replace(verdict, picture=_drawn(call, values[worst], right[worst], name))
 
 
-def _drawn(call: Call, values: np.ndarray, right: np.ndarray) -> str:
+def _drawn(call: Call, values: np.ndarray, right: np.ndarray, name: str) -> str:
     points = _points(call, right)
     if points is not None:
-        return (_dots if right.ndim == 1 else _arrows)(points, values, right)
+        return (_dots if right.ndim == 1 else _arrows)(points, values, right, name)
     if values.ndim == 2 and min(values.shape) > 1:
-        return _matrices(values, right)
+        return _matrices(values, right, name)
     with figure(4.2, 1.7) as page:
         axes = page.subplots()
-        axes.plot(right.ravel(), "o", mfc="none", color="black", label="right")
+        axes.plot(right.ravel(), "o", mfc="none", color="black", label=name)
         axes.plot(values.ravel(), "x", color="#a33b00", label="yours")
         axes.set_xlabel("entry")
         axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1, 0.5))
     return svg(page)
 
 
-def _matrices(values: np.ndarray, right: np.ndarray) -> str:
+def _matrices(values: np.ndarray, right: np.ndarray, name: str) -> str:
     limit = float(max(np.abs(right).max(), np.abs(values).max())) or 1.0
     with figure(5.2, 1.9) as page:
         panels = page.subplots(1, 3)
         for axes, matrix, title in zip(
-            panels, (values, right, values - right), ("yours", "right", "difference"), strict=True
+            panels, (values, right, values - right), ("yours", name, "difference"), strict=True
         ):
             image = axes.imshow(matrix, cmap="PuOr_r", vmin=-limit, vmax=limit, aspect="auto")
             axes.set(title=title, xticks=[], yticks=[])
@@ -79,13 +80,13 @@ def _points(call: Call, right: np.ndarray) -> np.ndarray | None:
     return next((a for a in arrays if a.shape == (len(right), 2)), None)
 
 
-def _dots(points: np.ndarray, values: np.ndarray, right: np.ndarray) -> str:
+def _dots(points: np.ndarray, values: np.ndarray, right: np.ndarray, name: str) -> str:
     """Draw a scalar field: a dot at each point, coloured by the value."""
     limit = float(max(np.abs(right).max(), np.abs(values).max())) or 1.0
     with figure(5.6, 1.9) as page:
         panels = page.subplots(1, 3, sharex=True, sharey=True)
         for axes, field, title in zip(
-            panels, (values, right, values - right), ("yours", "right", "difference"), strict=True
+            panels, (values, right, values - right), ("yours", name, "difference"), strict=True
         ):
             dots = axes.scatter(
                 *points.T,
@@ -103,7 +104,7 @@ def _dots(points: np.ndarray, values: np.ndarray, right: np.ndarray) -> str:
     return svg(page)
 
 
-def _arrows(points: np.ndarray, values: np.ndarray, right: np.ndarray) -> str:
+def _arrows(points: np.ndarray, values: np.ndarray, right: np.ndarray, name: str) -> str:
     """Draw a vector field: at each point the right arrow and the student's."""
     extent = float(np.ptp(points, axis=0).max()) or 1.0
     longest = float(np.hypot(*np.concatenate([right, values]).T).max()) or 1.0
@@ -112,7 +113,7 @@ def _arrows(points: np.ndarray, values: np.ndarray, right: np.ndarray) -> str:
     with figure(4.4, 2.6) as page:
         axes = page.subplots()
         axes.plot(*points.T, ".", color="#8a8a8a", markersize=3)
-        axes.quiver(*points.T, *right.T, color="black", label="right", width=0.014, **how)
+        axes.quiver(*points.T, *right.T, color="black", label=name, width=0.014, **how)
         axes.quiver(*points.T, *values.T, color="#d9622b", label="yours", width=0.007, **how)
         axes.update_datalim(np.concatenate([points + right / scale, points + values / scale]))
         axes.set(xticks=[], yticks=[], aspect="equal")

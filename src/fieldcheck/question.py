@@ -96,6 +96,9 @@ class Question:
         normal form.
     limit : float
         Time limit of one call, in seconds.
+    may_call : tuple of str
+        Earlier questions whose functions a right answer may call, beside those that the solution
+        calls. If they are wrong, the grader gives it right ones.
     """
 
     name: str
@@ -108,6 +111,7 @@ class Question:
     normal_form: Callable[[Call, Values], Values] = unchanged
     fingerprint: Callable[[Call, Values], Values] | None = None
     limit: float = 5.0
+    may_call: tuple[str, ...] = ()
 
     @property
     def notebook(self) -> str:

@@ -1,4 +1,4 @@
-"""The verdict on an answer, in notebooks and in the grader, and the ladder of its rungs."""
+"""The verdict on an answer, in notebooks and in the grader, and the order of its findings."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import html
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-Rung = Literal[
+Finding = Literal[
     "missing",
     "unwritten",
     "exception",
@@ -15,14 +15,18 @@ Rung = Literal[
     "shape",
     "not finite",
     "modified",
+    "inherited",
     "misconception",
     "wrong",
     "slow",
     "right",
 ]
 
-LADDER: tuple[Rung, ...] = get_args(Rung)
-"""The rungs in the order in which they are checked; the first that fails is reported."""
+FINDINGS: tuple[Finding, ...] = get_args(Finding)
+"""All findings in the order in which they are looked for; the first is reported."""
+
+WAITING = ("unwritten", "inherited")
+"""Nothing is known about the answer itself yet."""
 
 CREDIT = {"right": 1.0, "slow": 0.5}
 
@@ -35,6 +39,7 @@ TITLES: dict[str, str] = {
     "shape": "— returns the wrong shape",
     "not finite": "— returns values that are not finite",
     "modified": "— changes its input",
+    "inherited": "— waits for an earlier answer",
     "misconception": "— not right, and this mistake is a known one",
     "wrong": "— not right yet",
     "slow": "— right, but slow",
@@ -44,14 +49,14 @@ TITLES: dict[str, str] = {
 
 @dataclass(frozen=True)
 class Verdict:
-    """The rung that an answer reached, and its sentence.
+    """The first finding on an answer, and its sentence.
 
     Parameters
     ----------
     question : str
         The name of the question.
-    rung : str
-        The first rung that failed, or ``"right"``.
+    finding : str
+        What is wrong, or ``"right"``.
     sentence : str
         The sentence for the student.
     mistake : str
@@ -63,7 +68,7 @@ class Verdict:
     """
 
     question: str
-    rung: Rung
+    finding: Finding
     sentence: str
     mistake: str = ""
     call: int | None = None
@@ -72,24 +77,33 @@ class Verdict:
     @property
     def credit(self) -> float:
         """The share of the points that the answer earns."""
-        return CREDIT.get(self.rung, 0.0)
+        return CREDIT.get(self.finding, 0.0)
 
     @property
     def right(self) -> bool:
         """Whether the answer is right."""
-        return self.rung == "right"
+        return self.finding == "right"
 
     def __str__(self) -> str:
-        return f"{self.question} {TITLES[self.rung]}. {self.sentence}".rstrip()
+        return f"{self.question} {TITLES[self.finding]}. {self.sentence}".rstrip()
 
     def __repr__(self) -> str:
         return str(self)
 
     def _repr_html_(self) -> str:
-        color = "#2e8540" if self.right else "#767676" if self.rung == "unwritten" else "#c4501b"
+        color = "#2e8540" if self.right else "#767676" if self.finding in WAITING else "#c4501b"
         text = html.escape(self.sentence)
         return (
             f'<div style="border-left:4px solid {color};padding:.3em .8em;margin:.3em 0;'
-            f'max-width:46em"><b style="color:{color}">{self.question} {TITLES[self.rung]}</b>'
-            f"<div>{text}</div>{self.picture}</div>"
+            f'max-width:46em"><b style="color:{color}">{self.question} {TITLES[self.finding]}</b>'
+            f"<div>{text}</div>{self.picture}{self._pointer()}</div>"
+        )
+
+    def _pointer(self) -> str:
+        """Say where the failing inputs are, in a notebook."""
+        if self.right or self.finding in ("missing", *WAITING):
+            return ""
+        return (
+            '<div style="color:#767676;font-size:90%"><code>case()</code> shows the inputs, your '
+            "values and the right ones.</div>"
         )

@@ -33,9 +33,24 @@ def page(title: str, subtitle: str, body: str) -> str:
 
 
 def table(
-    columns: Sequence[str], rows: Iterable[Sequence[str]], numbers: Collection[int] = ()
+    columns: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    numbers: Collection[int] = (),
+    narrow: bool = False,
 ) -> str:
-    """Return a table of HTML cells under plain titles; columns in `numbers` are right-aligned."""
+    """Return a table of HTML cells under plain titles.
+
+    Parameters
+    ----------
+    columns : sequence of str
+        The titles.
+    rows : iterable of sequence of str
+        The cells, as HTML.
+    numbers : collection of int
+        Columns that are right-aligned.
+    narrow : bool
+        Whether long words are broken, so that the table fits a narrow screen.
+    """
 
     def line(tag: str, cells: Sequence[str]) -> str:
         kinds = (' class="number"' if k in numbers else "" for k in range(len(cells)))
@@ -43,9 +58,9 @@ def table(
         return f"<tr>{''.join(inside)}</tr>"
 
     body = "".join(line("td", row) for row in rows)
-    return (
-        f'<div class="scroll"><table>{line("th", list(map(escape, columns)))}{body}</table></div>'
-    )
+    kind = "scroll narrow" if narrow else "scroll"
+    head = line("th", list(map(escape, columns)))
+    return f'<div class="{kind}"><table>{head}{body}</table></div>'
 
 
 def picture(svg: str, alt: str) -> str:

@@ -70,13 +70,19 @@ class Reconstruction(ABC):
         """
         return Field(self, valid.as_values(values, len(self.points)))
 
-    def weights(self, x: ArrayLike) -> Weights:
+    def weights(
+        self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
+    ) -> Weights:
         """Weights w_i(x) of the data in the value at x.
 
         Parameters
         ----------
         x : (..., d) array_like
             Queries; m of them in all.
+        executor : concurrent.futures.Executor, optional
+            Runs the chunks; this machine's threads by default.
+        progress : callable, optional
+            Called as progress(done, total) with numbers of queries.
 
         Returns
         -------
@@ -90,16 +96,21 @@ class Reconstruction(ABC):
         OverflowError
             If a weight exceeds the range of floating-point numbers.
         """
-        queries = self._queries(x).reshape(-1, self.points.shape[1])
-        return valid.check_finite(valid.quiet_evaluate(self._weight_rows, queries), queries)
+        return self._in_chunks(self._weight_rows, 1, x, executor, progress)[0]
 
-    def gradient_weights(self, x: ArrayLike) -> tuple[Weights, ...]:
+    def gradient_weights(
+        self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
+    ) -> tuple[Weights, ...]:
         """Weights of the data in each component of the gradient at x.
 
         Parameters
         ----------
         x : (..., d) array_like
             Queries; m of them in all.
+        executor : concurrent.futures.Executor, optional
+            Runs the chunks; this machine's threads by default.
+        progress : callable, optional
+            Called as progress(done, total) with numbers of queries.
 
         Returns
         -------
@@ -111,11 +122,17 @@ class Reconstruction(ABC):
         MemoryError
             If the dense matrices would exceed DENSE_LIMIT_BYTES.
         """
-        queries = self._queries(x).reshape(-1, self.points.shape[1])
-        matrices = valid.quiet_evaluate(self._gradient_weight_rows, queries)
-        return tuple(valid.check_finite(matrix, queries) for matrix in matrices)
+        d = self.points.shape[1]
+        return self._in_chunks(self._gradient_weight_rows, d, x, executor, progress)
 
-    def adjoint(self, x: ArrayLike, f: ArrayLike) -> np.ndarray:
+    def adjoint(
+        self,
+        x: ArrayLike,
+        f: ArrayLike,
+        *,
+        executor: Executor | None = None,
+        progress: Progress | None = None,
+    ) -> np.ndarray:
         """Adjoint H^T f of `weights`, without forming H where that can be avoided.
 
         Parameters
@@ -124,6 +141,10 @@ class Reconstruction(ABC):
             Queries; m of them in all.
         f : (m, ...) array_like
             One value for each query, for instance a load.
+        executor : concurrent.futures.Executor, optional
+            Runs the chunks; this machine's threads by default.
+        progress : callable, optional
+            Called as progress(done, total) with numbers of queries.
 
         Returns
         -------
@@ -138,12 +159,38 @@ class Reconstruction(ABC):
         queries = self._queries(x).reshape(-1, self.points.shape[1])
         f = valid.as_values(f, len(queries), name="f", of="query")
         columns = f.reshape(len(f), math.prod(f.shape[1:]))  # also for no queries
-        result = valid.quiet_evaluate(self._adjoint, queries, columns)
+        result = valid.quiet_evaluate(self._adjoint, queries, columns, executor, progress)
         return valid.check_finite(result, self.points).reshape((len(self.points), *f.shape[1:]))
 
     def _queries(self, x: ArrayLike) -> np.ndarray:
         """Queries (..., d)."""
         return valid.as_queries(x, self.points.shape[1])
+
+    def _in_chunks(
+        self,
+        rows_of_weights: Callable[[np.ndarray], Weights | tuple[Weights, ...]],
+        matrices: int,
+        x: ArrayLike,
+        executor: Executor | None,
+        progress: Progress | None,
+    ) -> tuple[Weights, ...]:
+        """Matrices (m, n) of weights, in chunks of queries that lie together."""
+        queries = self._queries(x).reshape(-1, self.points.shape[1])
+        order = self._order(queries)
+        work, shape = partial(_checked, rows_of_weights), (len(queries), len(self.points))
+        if not self._has_sparse_weights:
+            self._refuse_if_too_large(len(queries), matrices)
+        parts = chunked(work, queries, self._weight_chunk_rows(), executor, progress, order)
+        if self._has_sparse_weights:
+            chunks = [rows for _, rows in parts] or [(sparse.csr_array(shape),) * matrices]
+            stacked = (sparse.vstack(rows, "csr") for rows in zip(*chunks, strict=True))
+            return tuple(h if order is None else h[np.argsort(order)] for h in stacked)
+        result: list[np.ndarray] = []
+        for part, rows in parts:
+            result = result or [np.empty_like(some, shape=shape) for some in rows]
+            for whole, some in zip(result, rows, strict=True):
+                whole[part if order is None else order[part]] = some
+        return tuple(result) or (np.empty(shape),) * matrices
 
     def _refuse_if_too_large(self, m: int, matrices: int = 1) -> None:
         size = 8 * m * len(self.points) * matrices
@@ -154,8 +201,13 @@ class Reconstruction(ABC):
                 "them, or a local method, whose weights are sparse"
             )
 
-    # The two abstract methods define a method. The others have defaults, which a method overrides
-    # where it has a faster route.
+    # The two abstract methods define a method, and `_has_sparse_weights` says what they return. The
+    # others have defaults, which a method overrides where it has a faster route.
+
+    @property
+    def _has_sparse_weights(self) -> bool:
+        """Whether the matrices of weights are sparse, so that any number of queries is allowed."""
+        return False
 
     @abstractmethod
     def _weight_rows(self, x: np.ndarray) -> Weights:
@@ -194,6 +246,10 @@ class Reconstruction(ABC):
     def _chunk_rows(self, columns: int) -> int:
         """Number of queries of one chunk, for data with this number of columns."""
         return rows_of(8 * (columns + len(self.points)) * (self.points.shape[1] + 1))
+
+    def _weight_chunk_rows(self) -> int:
+        """Number of queries of one chunk of weights, which are the values of n unit data."""
+        return self._chunk_rows(len(self.points))
 
     def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:
         """Residuals (n, v) of the data (n, v), each against the field of the others: n refits."""
@@ -256,13 +312,38 @@ class Reconstruction(ABC):
             )
         return {name: getattr(self, name) for name in names}
 
-    def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
-        rows = max(1, DENSE_LIMIT_BYTES // (64 * 8 * len(self.points)))
-        total = np.zeros((len(self.points), f.shape[1]), dtype=f.dtype)
-        for start in range(0, len(x), rows):
-            part = slice(start, start + rows)
-            total += self._weight_rows(x[part]).T @ f[part]
-        return total
+    def _adjoint(
+        self,
+        x: np.ndarray,
+        f: np.ndarray,
+        executor: Executor | None,
+        progress: Progress | None,
+    ) -> np.ndarray:
+        """H^T f (n, v) of loads f (m, v) at queries (m, d), from the sum of their moments."""
+        order = self._order(x)
+        every = np.arange(len(x)) if order is None else order
+        work = partial(_moments_at, self._moments, x, f)
+        total = np.zeros((self._number_of_moments(), f.shape[1]), dtype=f.dtype)
+        rows = self._chunk_rows(f.shape[1])
+        for _, (own, moments) in chunked(work, every, rows, executor, progress):
+            total[own] += moments
+        return self._of_moments(total)
+
+    def _moments(self, x: np.ndarray, f: np.ndarray) -> tuple[Any, np.ndarray]:
+        """Indices (k,) and terms (k, v) of the sums over queries, here H^T f, for some of them."""
+        h = self._weight_rows(x)
+        if isinstance(h, np.ndarray):
+            return slice(None), h.T @ f
+        sites = np.flatnonzero(np.bincount(h.indices))
+        return sites, (h.T @ f)[sites]
+
+    def _number_of_moments(self) -> int:
+        """Number of the sums."""
+        return len(self.points)
+
+    def _of_moments(self, moments: np.ndarray) -> np.ndarray:
+        """H^T f (n, v) from the sums over all loads."""
+        return moments
 
 
 def weights_if_they_fit(method: Reconstruction, x: np.ndarray) -> Weights | None:
@@ -455,15 +536,31 @@ class Field:
         x = self.method._queries(x)
         queries = x.reshape(-1, x.shape[-1])
         order = self.method._order(queries)
-        queries = queries if order is None else queries[order]
         columns = int(np.prod(self._shape, dtype=int))
         result = np.empty((len(queries), columns, *tail), dtype=self._dtype)
         work = partial(_evaluated, rows_of_result, self._prepared)
         rows = max(1, self.method._chunk_rows(columns) // memory)
-        for part, values in chunked(work, queries, rows, executor, progress):
+        for part, values in chunked(work, queries, rows, executor, progress, order):
             where = part if order is None else order[part]
-            result[where] = valid.check_finite(values, queries[part])
+            result[where] = valid.check_finite(values, queries[where])
         return result.reshape((*x.shape[:-1], *self._shape, *tail))[()]
+
+
+def _checked(
+    rows_of_weights: Callable[[np.ndarray], Weights | tuple[Weights, ...]], x: np.ndarray
+) -> tuple[Weights, ...]:
+    rows = valid.quiet_evaluate(rows_of_weights, x)
+    matrices = rows if isinstance(rows, tuple) else (rows,)
+    return tuple(valid.check_finite(matrix, x) for matrix in matrices)
+
+
+def _moments_at(
+    moments: Callable[[np.ndarray, np.ndarray], tuple[Any, np.ndarray]],
+    x: np.ndarray,
+    f: np.ndarray,
+    queries: np.ndarray,
+) -> tuple[Any, np.ndarray]:
+    return valid.quiet_evaluate(moments, x[queries], f[queries])
 
 
 def _evaluated(

@@ -1,4 +1,4 @@
-"""The ladder of checks stops at the first failed rung and reports a sentence."""
+"""The first finding in the order of the checks is reported, with a sentence."""
 
 import json
 import re
@@ -18,7 +18,7 @@ from fieldcheck.question import Law, Question, relative
 from fieldcheck.questions import get, questions
 from fieldcheck.seeds import seed
 from fieldcheck.shapes import fitted
-from fieldcheck.verdict import LADDER, TITLES, Verdict
+from fieldcheck.verdict import FINDINGS, TITLES, Verdict
 
 
 def inputs(seed):
@@ -76,14 +76,15 @@ def last_wrong(x):
 
 
 @pytest.mark.parametrize(
-    ("function", "rung", "words"),
+    ("function", "finding", "words"),
     [
         (None, "missing", "There is no function twice"),
         (unwritten, "unwritten", "Write twice"),
         (raises, "exception", "twice stops with ValueError: no such thing. It arises in line"),
         (lambda _: None, "type", "nothing \\(None\\), as a function without `return` does"),
         (lambda _: "two", "type", "an object of type str"),
-        (lambda _: [[1], [1, 2]], "type", "not a rectangular array"),
+        (lambda _: [[1], [[1], 2]], "type", "not a rectangular array"),
+        (lambda _: [[1], [1, 2]], "shape", r"shape \(1,\) and an array of shape \(2,\)"),
         (lambda x: [2 * float(t) for t in x], "right", r"But twice returns a list\. "),
         (lambda x: 1j * x, "type", "complex"),
         (lambda x: x[:-1], "shape", r"of shape \(4,\)\. It should be an array of shape \(5,\)"),
@@ -97,12 +98,35 @@ def last_wrong(x):
         (lambda x: 2 * x + 0j, "right", ""),
     ],
 )
-def test_each_answer_stops_at_its_rung(function, rung, words):
-    """Each rung has its own sentence and credit."""
+def test_each_answer_gets_the_first_failed_check(function, finding, words):
+    """Each finding has its own sentence and credit."""
     verdict = verdict_of(function, known())
-    assert verdict.rung == rung
+    assert verdict.finding == finding
     assert re.search(words, verdict.sentence) if words else not verdict.sentence
-    assert verdict.credit == (1.0 if rung == "right" else 0.0)
+    assert verdict.credit == (1.0 if finding == "right" else 0.0)
+
+
+def test_the_shown_case_violates_the_quoted_law():
+    """A case with a larger error that obeys the law is not shown with it."""
+
+    def exchanged_or_larger(x):
+        return 2 * x + (np.array([9, -9, 0, 0, 0]) if len(x) == 5 else 0.1)
+
+    sentence = verdict_of(exchanged_or_larger, known()).sentence
+    assert sentence.startswith("Twice the numbers have twice the sum. For 3 numbers, ")
+
+
+def test_a_law_on_several_cases_is_quoted_without_one():
+    """No single case violates it."""
+    grows = Law(
+        "The sums of two cases must differ.",
+        lambda _, values: float(values[1][0].sum() == values[0][0].sum()),
+    )
+    several = replace(TWICE, laws=(grows,))
+    outcomes = perform({"twice": np.zeros_like}, CALLS, 600)
+    assert judge(several, CALLS, outcomes, known()).sentence == (
+        "The sums of two cases must differ. The wrong values are all zero."
+    )
 
 
 def test_slow_and_endless_answers_lose_points():
@@ -116,7 +140,7 @@ def test_slow_and_endless_answers_lose_points():
         hasty = replace(TWICE, limit=0.01)
         return judge(hasty, CALLS, perform({"twice": function}, CALLS, seconds), known())
 
-    assert within(600, slow).rung == "slow"
+    assert within(600, slow).finding == "slow"
     assert within(600, slow).credit == 0.5
 
     def endless(_):
@@ -126,20 +150,20 @@ def test_slow_and_endless_answers_lose_points():
             except Exception:
                 continue
 
-    assert within(0.1, endless).rung == "endless"
+    assert within(0.1, endless).finding == "endless"
 
 
 def test_without_known_answers_the_laws_decide():
     assert verdict_of(lambda x: 2 * x).right
     verdict = verdict_of(lambda x: 2.001 * x)
-    assert verdict.rung == "wrong"
+    assert verdict.finding == "wrong"
     assert verdict.sentence.startswith("Twice the numbers have twice the sum. It is off by")
-    assert verdict_of(lambda x: x**2).rung == "wrong"
+    assert verdict_of(lambda x: x**2).finding == "wrong"
 
 
 def test_only_the_numbers_of_a_misconception_are_recognised():
     """Numbers that are merely near those of a misconception are wrong."""
-    assert verdict_of(lambda x: x**2 * (1 + 1e-6), known()).rung == "wrong"
+    assert verdict_of(lambda x: x**2 * (1 + 1e-6), known()).finding == "wrong"
     assert verdict_of(lambda x: x**2 * (1 + 1e-12), known()).mistake == "squared"
 
 
@@ -148,7 +172,7 @@ def test_a_misconception_that_gives_zero_matches_rounding_errors_of_zero():
     nothing = Mistake("nothing", "It is zero.", perform({"twice": lambda x: 1e-16 * x}, CALLS, 1))
     zero = replace(known(), mistakes=(nothing,))
     assert verdict_of(lambda x: -3e-13 * x, zero).mistake == "nothing"
-    assert verdict_of(lambda x: 1e-7 * x, zero).rung == "wrong"
+    assert verdict_of(lambda x: 1e-7 * x, zero).finding == "wrong"
 
 
 def test_a_fingerprint_identifies_a_misconception():
@@ -159,7 +183,7 @@ def test_a_fingerprint_identifies_a_misconception():
         return judge(sizes, CALLS, perform({"twice": function}, CALLS, 1), known())
 
     assert judged(lambda x: -(x**2)).mistake == "squared"
-    assert judged(lambda x: -2 * x).rung == "wrong"
+    assert judged(lambda x: -2 * x).finding == "wrong"
 
 
 def test_a_misconception_with_another_shape_is_recognised():
@@ -168,13 +192,13 @@ def test_a_misconception_with_another_shape_is_recognised():
     transposed = Mistake("columns", "These are columns.", columns)
     both = replace(known(), mistakes=(*known().mistakes, transposed))
     assert verdict_of(lambda x: 3 * x[:, None], both).mistake == "columns"
-    assert verdict_of(lambda x: 4 * x[:, None], both).rung == "shape"
+    assert verdict_of(lambda x: 4 * x[:, None], both).finding == "shape"
 
 
 def test_an_exception_alone_does_not_identify_a_misconception():
     """Two functions that raise the same error need not have the same misconception."""
     stops = Mistake("stops", "It stops.", perform({"twice": raises}, CALLS, 1))
-    assert verdict_of(raises, replace(known(), mistakes=(stops,))).rung == "exception"
+    assert verdict_of(raises, replace(known(), mistakes=(stops,))).finding == "exception"
 
 
 def test_the_arguments_are_copies():
@@ -200,7 +224,7 @@ def test_an_error_is_reported_with_the_students_own_line():
 def test_system_exit_is_reported_as_an_exception():
     """The program continues."""
     verdict = verdict_of(lambda _: sys.exit(3))
-    assert verdict.rung == "exception"
+    assert verdict.finding == "exception"
     assert "SystemExit" in verdict.sentence
 
 
@@ -234,10 +258,10 @@ def test_known_answers_are_reproduced_from_json():
     assert error.error == "ValueError"
 
 
-def test_every_rung_has_a_title():
-    """No rung occurs twice in the ladder."""
-    assert set(TITLES) == set(LADDER)
-    assert len(set(LADDER)) == len(LADDER)
+def test_every_finding_has_a_title():
+    """No finding occurs twice."""
+    assert set(TITLES) == set(FINDINGS)
+    assert len(set(FINDINGS)) == len(FINDINGS)
 
 
 @pytest.mark.parametrize("name", questions())
@@ -294,7 +318,7 @@ def first_notebook(tmp_path, monkeypatch):
 def test_progress_is_kept_after_a_restart(first_notebook):
     """The points of checked questions add up."""
     assert fieldcheck.check("01.1", first_notebook).right
-    assert fieldcheck.check("01.2", first_notebook).rung == "missing"
+    assert fieldcheck.check("01.2", first_notebook).finding == "missing"
     shown = fieldcheck.progress()
     assert shown.earned == get("01.1").points
     assert "✓ right" in repr(shown)
@@ -333,9 +357,63 @@ def test_whole_numbers_are_compared_without_rounding():
     known = Answers(right, ())
     outcomes = [Outcome("returned", values=(np.array(float(v[0]) + 7),)) for v in right]
     verdict = judge(question, calls, outcomes, known)
-    assert verdict.rung == "wrong"
+    assert verdict.finding == "wrong"
     assert "rounding" not in verdict.sentence
     assert "off by 7; all values here are whole numbers" in verdict.sentence
+
+
+@pytest.mark.parametrize(("name", "says"), [("14.7", True), ("01.4", False)])
+def test_only_answers_that_are_all_true_or_false_are_told_as_such(name, says):
+    """A wrong rank is off by one; a wrong truth value must be the other one."""
+    question = questions()[name]
+    calls = question.inputs(seed("", name))
+    right = answers.public_answers(name[:2])[name].right
+    changed = [tuple(np.where(v == 0, 1.0, v - 1) for v in values) for values in right]
+    outcomes = [Outcome("returned", values=values) for values in changed]
+    verdict = judge(question, calls, outcomes, Answers(right, ()))
+    assert verdict.finding == "wrong"
+    assert bool(re.search(r"must be (0, or False|1, or True)\.", verdict.sentence)) == says
+    assert ("off by 1" in verdict.sentence) != says
+
+
+def constant(points, _):
+    return np.ones(points.shape[1] + 1)
+
+
+@pytest.mark.usefixtures("first_notebook")
+def test_the_failed_case_has_inputs_returned_and_right_values():
+    """They repeat the call; the right values are those of the public cases."""
+    verdict = fieldcheck.check("01.2", {"fit": constant})
+    failed = fieldcheck.case()
+    np.testing.assert_array_equal(constant(*failed.arguments), failed.returned)
+    points, values = failed.arguments
+    least_squares = np.linalg.lstsq(np.insert(points, 0, 1, axis=1), values, rcond=None)[0]
+    np.testing.assert_allclose(failed.right, least_squares, rtol=1e-9)
+    assert f"01.2: fit for {failed.call.case}\n" in repr(failed)
+    assert failed.call.case in verdict.sentence
+    assert "case()" in verdict._repr_html_()
+
+
+@pytest.mark.usefixtures("first_notebook")
+def test_a_failed_case_of_own_inputs_has_no_right_values():
+    question = get("01.2")
+    verdict = notebook.try_seed(question, {"fit": constant}, 5)
+    assert not verdict.right
+    assert fieldcheck.case("01.2").right is None
+    assert "not stored, since these inputs are your own" in repr(fieldcheck.case())
+
+
+@pytest.mark.usefixtures("first_notebook")
+def test_a_failed_case_is_forgotten_when_the_answer_is_right(monkeypatch):
+    monkeypatch.setattr(notebook, "_failed", {})
+    with pytest.raises(ValueError, match="no check of a question has failed"):
+        fieldcheck.case()
+    fieldcheck.check("01.2", {"fit": lambda *_: 1 / 0})
+    assert "ZeroDivisionError" in repr(fieldcheck.case("01.2"))
+    right = {"fit": lambda p, v: np.linalg.lstsq(np.insert(p, 0, 1, axis=1), v, rcond=None)[0]}
+    assert fieldcheck.check("01.2", right).right
+    with pytest.raises(ValueError, match=r"no check of 01\.2 has failed"):
+        fieldcheck.case("01.2")
 
 
 def test_start_over_prints_the_stub_outside_a_notebook(capsys):
@@ -371,6 +449,7 @@ def test_a_picture_that_cannot_be_drawn_is_replaced_by_the_reason(picture, words
     assert repr(figures._drawn(picture, {})) == words
 
 
+@pytest.mark.slow
 def test_a_moved_slider_redraws_the_picture(monkeypatch):
     """The picture function receives the value of the slider."""
     shown, seen = [], []

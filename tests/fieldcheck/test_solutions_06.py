@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 from checkout import ROOT
+from fieldcheck.notebook import try_public
+from fieldcheck.questions import get
+from fieldcheck.seeds import EVERYBODY, seed
 from fieldgrade.authoring.sources import Source
 from fieldrecon import cell_velocities, normal_velocities
 from fieldrecon.velocity import raviart_thomas
@@ -116,3 +119,19 @@ def test_sampling_sides_at_their_ends_does_not_change_the_velocity():
     assert np.abs(v - other).min() > 0.3
     u, changed = (NOTEBOOK["cell_velocity"](q, data) for data in (v, other))
     np.testing.assert_allclose(changed, u, rtol=0, atol=1e-14)
+
+
+def test_the_error_far_from_the_origin_is_reported_as_it_is():
+    """Circumcentres are compared relative to a corner; the sentence states the same difference."""
+
+    def cancelling(q):
+        return np.linalg.solve(2 * (q[1:] - q[0]), np.sum(q[1:] ** 2, axis=1) - q[0] @ q[0])
+
+    question = get("06.4")
+    verdict = try_public(question, {"circumcentre": cancelling})
+    (corners,) = question.inputs(seed(EVERYBODY, "06.4"))[verdict.call].arguments
+    error = np.abs(cancelling(corners) - NOTEBOOK["circumcentre"](corners)).max()
+    assert np.abs(corners).max() > 1e6
+    assert 1e-4 < error < 10
+    stated = float(verdict.sentence.partition("is off by ")[2].partition(",")[0])
+    assert stated == pytest.approx(error, rel=0.1)

@@ -100,6 +100,7 @@ def test_the_wendland_functions_agree_with_the_library(random, d, s):
     np.testing.assert_allclose(NOTEBOOK["wendland"](r, d, s), wendland(d, s)(r), atol=1e-14)
 
 
+@pytest.mark.slow
 def test_a_wendland_function_for_dimension_one_fails_in_the_plane():
     """Statement of the text on ψ₁₁: a smoothly damped checkerboard on 48² lattice points has a
     negative quadratic form; with the function for three variables the form is positive.

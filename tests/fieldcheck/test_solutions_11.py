@@ -8,6 +8,7 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial import cKDTree
 
 from checkout import ROOT
+from fieldcheck.datasets import kleopatra
 from fieldcheck.questions.q11_point_clouds import (
     OUTWARD,
     horseshoe,
@@ -168,3 +169,56 @@ def test_the_pieces_of_the_zero_level_close_to_a_circle():
     (a, b), (p, q) = ends[:, 0].T, ends[:, 1].T
     area = 0.5 * (a * q - b * p).sum()
     assert area == pytest.approx(np.pi, rel=0.01)
+
+
+def test_the_example_of_a_covariance():
+    """The eigenvalues are 6 and 2, and the normal is vertical."""
+    example = np.array([[-2.0, 1.0], [1.0, -2.0], [4.0, 1.0]])
+    np.testing.assert_allclose(np.cov(example.T, bias=True), np.diag([6, 2]), atol=1e-14)
+    n, planarity = NOTEBOOK["normals"](example, 3)
+    np.testing.assert_allclose(np.abs(n), np.tile([0, 1], (3, 1)), atol=1e-14)
+    np.testing.assert_allclose(planarity, 2 / 3)
+
+
+def test_the_example_of_a_spanning_tree():
+    """The tree of the five points is the chain, and all normals become outward."""
+    points, given, graph = (
+        NOTEBOOK[name].astype(float) for name in ("FIVE", "FIVE_GIVEN", "FIVE_LINKS")
+    )
+    cost = np.round(1 - np.abs(given @ given.T), 9)
+    np.testing.assert_allclose(np.diag(cost, 1), [0.2, 0.4, 0.2, 0.4])
+    np.testing.assert_allclose(np.diag(cost, 2), 1)
+    tree = minimum_spanning_tree(graph * (1 + cost)).nonzero()
+    assert {tuple(sorted(map(int, e))) for e in zip(*tree, strict=True)} == {
+        *pairwise(range(5)),
+    }
+    np.testing.assert_allclose(NOTEBOOK["orient"](points, given, graph), points / 2)
+
+
+def test_the_example_of_a_square():
+    """The piece runs from (3/4, 0) to (0, 3/5)."""
+    ends = NOTEBOOK["pieces"](np.array([[3.0, -1.0, -2.0, -2.0]]))
+    np.testing.assert_allclose(ends[0], [[0.75, 0], [0, 0.6]])
+
+
+def test_long_links_are_in_no_spanning_tree():
+    """The cost of each long link exceeds that of all links in the tree."""
+    for seed in range(30):
+        for call in orient_inputs(seed)[-2:]:
+            points, given, graph = call.arguments
+            truth = OUTWARD[call.case](points)
+            i, j = minimum_spanning_tree(graph * (2 - np.abs(given @ given.T))).nonzero()
+            assert len(i) == len(points) - 1
+            assert ((truth[i] * truth[j]).sum(axis=1) > 0.6).all()
+            assert (graph * (truth @ truth.T) < -0.1).sum() > len(points)
+
+
+def test_the_normals_of_the_asteroid_point_outward():
+    """Half of the points suffice; the triangles give the direction to compare with."""
+    points, triangles = kleopatra()
+    a, b, c = points[triangles].swapaxes(0, 1)
+    area = np.zeros_like(points)
+    np.add.at(area, triangles, np.cross(b - a, c - a)[:, None])
+    some = points[::2]
+    n = NOTEBOOK["orient"](some, NOTEBOOK["normals"](some, 8)[0], NOTEBOOK["linked"](some, 8))
+    assert ((n * area[::2]).sum(axis=1) > 0).all()

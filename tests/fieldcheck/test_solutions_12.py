@@ -147,3 +147,17 @@ def test_the_four_ways_of_load_transfer_have_the_stated_errors():
         assert off["forces interpolated"].min() > 0.5
         assert off["pressures interpolated"][0] < 0.01
         assert off["pressures interpolated"][2] == pytest.approx(0.12, abs=0.01)
+
+
+def test_the_example_of_three_nodes():
+    """The weights are 13, 22 and −3 parts of 32, and conserve force and moment."""
+    row = NOTEBOOK["weights"](np.array([[0.0], [1.0], [2.0]]), np.array([[0.5]]))
+    np.testing.assert_allclose(32 * row, [[13, 22, -3]])
+    np.testing.assert_allclose(NOTEBOOK["loads"](row, np.array([[32.0]]))[:, 0], [13, 22, -3])
+
+
+def test_the_example_of_a_fixed_point():
+    """The iterates of u = (1 + u)/2 are 0, 1/2, 3/4, 7/8."""
+    one = np.ones((1, 1))
+    u = NOTEBOOK["iterates"](2 * one, one, np.ones(1), one, 1.0, 3)
+    np.testing.assert_allclose(u[:, 0], [0, 1 / 2, 3 / 4, 7 / 8])

@@ -119,6 +119,7 @@ def test_departure_points_of_burgers_equation_are_roots():
         assert foot == pytest.approx(root, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_the_error_depends_on_the_number_of_steps_as_stated():
     """With Runge–Kutta the error falls and rises again; with Euler it falls throughout."""
     sites = drawing_function("scattered_in_disc")(250)
@@ -142,7 +143,7 @@ def test_bounds_and_mass_behave_as_stated():
     feet = NOTEBOOK["rk4"](sites, 0, 1 / 24, 0)
     h = NOTEBOOK["step_matrix"](sites, feet, 21)
     free, bounded, both = (
-        drawing_function("keeping")(sites, u, h, feet, *kept)
+        drawing_function("rotate_with")(sites, u, h, feet, *kept)
         for kept in ((False, False), (True, False), (True, True))
     )
     assert free.max() > 1.1
@@ -154,3 +155,30 @@ def test_bounds_and_mass_behave_as_stated():
     np.testing.assert_allclose(both.sum(axis=1), u.sum())
     below = (sites[:, 1] < -0.2) & (sites[:, 0] < 0)
     assert both[-1][below].max() < free[-1][below].max() - 0.05
+
+
+def test_the_examples_of_departure_points():
+    """In the solid rotation, the radii after one step of an eighth of the period."""
+    start = np.array([[1.0, 0.0]])
+    euler, midpoint = (NOTEBOOK[name](start, 0, 1 / 8, 0)[0] for name in ("euler", "midpoint"))
+    np.testing.assert_allclose(euler, [1, -np.pi / 4])
+    np.testing.assert_allclose(midpoint, [1 - np.pi**2 / 32, -np.pi / 4])
+    np.testing.assert_allclose(
+        np.hypot(*np.transpose([euler, midpoint])), [1.272, 1.046], atol=6e-4
+    )
+
+
+def test_the_examples_of_weights_bounds_and_mass():
+    """The numbers of the worked examples, done by hand."""
+    line = np.arange(3.0)[:, None]
+    h = NOTEBOOK["step_matrix"](line, np.array([[0.5]]), 3)
+    np.testing.assert_allclose(32 * h, [[13, 22, -3]])
+    low, high = NOTEBOOK["bounds"](
+        np.arange(4.0)[:, None], np.array([0.0, 0, 1, 0]), np.array([[1.2]])
+    )
+    assert (low[0], high[0]) == (0, 1)
+    u, low, high = np.array([[0, 1], [0, 0], [1, 1.2]])
+    np.testing.assert_allclose(NOTEBOOK["with_mass"](u, low, high, np.ones(2), 1.6), [0.4, 1.2])
+    linear = np.linspace(0, 1.2, 7)[:, None]
+    y = NOTEBOOK["burgers_feet"](linear, linear[:, 0], 0.5, 3, 7)
+    assert y[5, 0] == pytest.approx(5 / 8)

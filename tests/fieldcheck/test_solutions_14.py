@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from checkout import ROOT
+from fieldcheck.datasets import kleopatra
 from fieldcheck.questions.q14_mesh_errors import (
     ball,
     band,
@@ -119,6 +120,7 @@ def test_degenerate_triangles_agree_with_the_audit(random):
     np.testing.assert_array_equal(np.flatnonzero(flat), audit.degenerate_triangles)
 
 
+@pytest.mark.slow
 def test_intersecting_triangles_agree_with_the_audit(random):
     """Random pairs are compared with the exact predicates of the audit."""
     crossings = 0
@@ -142,3 +144,39 @@ def test_connected_parts_agree_with_powers_of_the_graph(random):
         for _ in range(5):
             graph = graph @ graph
         np.testing.assert_array_equal(least, graph.argmax(axis=1))
+
+
+def test_the_example_of_two_triangles():
+    """A square of two triangles: its sides, counts, characteristic, loop and fans."""
+    square = np.array([[0, 1, 2], [0, 2, 3]])
+    counts = NOTEBOOK["triangles_at_sides"](square)
+    np.testing.assert_array_equal(counts, [1, 1, 2, 2, 1, 1])
+    assert NOTEBOOK["euler_characteristic"](square) == 1
+    np.testing.assert_array_equal(NOTEBOOK["boundary_loops"](5, square), [0, 0, 0, 0, -1])
+    np.testing.assert_array_equal(NOTEBOOK["fans"](5, square), [1, 1, 1, 1, 0])
+
+
+def test_the_examples_of_geometry():
+    """A chain of points, a flat triangle, and a segment through a triangle."""
+    chain = np.array([[0.0], [0.9], [1.8], [2.7]])
+    np.testing.assert_array_equal(NOTEBOOK["weld"](chain, 1.0), [0, 0, 1, 2])
+    points, first = np.array([[0.0, 0, 0], [4, 0, 0], [1, 0.3, 0]]), np.array([[0, 1, 2]])
+    for tolerance, flat in ((0.31, True), (0.29, False)):
+        assert NOTEBOOK["flat"](points, first, tolerance)[0] == flat
+    start, end = np.array([[1.0, 1, 2], [1, 1, 2]]), np.array([[1.0, 1, -2], [1, 1, 1]])
+    corners = np.tile([[0.0, 0, 0], [4, 0, 0], [0, 4, 0]], (2, 1, 1))
+    np.testing.assert_array_equal(NOTEBOOK["pierced"](start, end, corners), [True, False])
+
+
+def test_the_asteroid_is_a_sphere_until_vertices_collapse():
+    """Vertices merged within 5 km leave a sphere, within 6 km edges of more than two triangles."""
+    points, triangles = kleopatra()
+    assert round(np.linalg.det(points[triangles]).sum() / 6, -3) == 697000
+    for tolerance, sphere in ((0, True), (5, True), (6, False)):
+        name = NOTEBOOK["weld"](points, tolerance)
+        for _ in range(20):
+            name = name[name]
+        t = name[triangles]
+        t = t[(t != np.roll(t, 1, axis=1)).all(axis=1)]
+        assert (NOTEBOOK["euler_characteristic"](t) == 2) == sphere
+        assert (NOTEBOOK["triangles_at_sides"](t) == 2).all() == sphere

@@ -102,6 +102,7 @@ def test_the_code_digests_agree_with_their_definition(name, names, kept, tmp_pat
     assert len(slow) > 5
 
 
+@pytest.mark.slow
 def test_each_module_is_parsed_once(monkeypatch):
     """The number of results that depend on the module does not matter."""
     parsed_trees = []

@@ -173,6 +173,7 @@ def test_smoother_kernels_have_worse_condition(kernels):
     assert conditions == sorted(conditions)
 
 
+@pytest.mark.slow
 def test_singular_normal_equations_are_reported_in_the_table(monkeypatch):
     """Far from the origin, rounding decides whether they are singular; both cases have a result."""
 

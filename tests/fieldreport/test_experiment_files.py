@@ -40,6 +40,7 @@ def result(**changes):
     return Result(**parts)
 
 
+@pytest.mark.slow
 @given(rows=st.lists(st.tuples(CELLS, CELLS), max_size=5))
 def test_a_table_is_reproduced_from_its_file(tmp_path_factory, rows):
     """Numbers keep their types, and texts keep commas, quotes and line breaks."""

@@ -17,10 +17,12 @@ from fieldreport import experiments
 from fieldreport.framework import result_files as files
 from fieldreport.framework.orders_of_magnitude import OrderOfMagnitude, order_of_magnitude
 
+LONG = {"surface_reconstruction", "fluid_animation", "mesh_errors", "high_dimensions"}
 NAMES = experiments.names()
+CASES = [pytest.param(name, marks=pytest.mark.slow if name in LONG else ()) for name in NAMES]
 
 
-@pytest.fixture(scope="module", params=NAMES)
+@pytest.fixture(scope="module", params=CASES)
 def experiment(request):
     return experiments.get(request.param)
 

@@ -3,7 +3,9 @@
 import os
 
 import pytest
+from threadpoolctl import threadpool_info
 
+from fieldrecon._core.simd_dispatch import blas_cores
 from fieldreport import experiments
 from fieldreport.build import pinned_kernels, reproducibility, rerun
 from fieldreport.build.errors import BuildError
@@ -122,3 +124,10 @@ def test_simd_features_beyond_avx2_are_disabled(monkeypatch, dispatch, off):
     monkeypatch.setattr(pinned_kernels, "dispatch", lambda: dispatch)
     monkeypatch.setattr(pinned_kernels, "has_x86_64_v3", lambda: True)
     assert pinned_kernels.pins()["NPY_DISABLE_CPU_FEATURES"] == off
+
+
+def test_the_reported_cores_are_those_of_openblas():
+    """Another BLAS has none."""
+    libraries = threadpool_info()
+    known = {lib["architecture"] for lib in libraries if lib["internal_api"] == "openblas"}
+    assert {*blas_cores().values()} == (known or {""})

@@ -29,6 +29,8 @@ from report_fixtures import SmallReport
 
 def skip_typesetting(self, values, metadata):  # noqa: ARG001
     """Stand in for the typesetting, which takes seconds."""
+    files.write_atomically(self.page, b"<main></main>")
+    files.write_atomically(self.page.with_name("fonts.css"), b"")
     return [
         files.write_atomically(self.out / f"report.{kind}", json.dumps(values).encode())
         for kind in ("html", "pdf")
@@ -364,6 +366,7 @@ def test_invalid_settings_stop_the_build(report, capfd, settings, words):
     assert report.did() == []
 
 
+@pytest.mark.slow
 def test_a_failed_experiment_is_reported(report, capfd):
     """The message contains the name of the experiment and the location of the error."""
     report.write_experiment("fake_b", "x = np.linspace", "x = np.no_such_function")
@@ -407,6 +410,7 @@ def test_facts_are_compared_to_their_stated_digits():
     assert ["parameters" in text for text in reported] == [True]
 
 
+@pytest.mark.slow
 def test_other_pins_repeat_all_steps(built, monkeypatch):
     """Results computed with other pinned kernels are outdated."""
     for module in (rerun, up_to_date):

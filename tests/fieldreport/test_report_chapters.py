@@ -36,6 +36,24 @@ def test_a_typed_result_is_found():
     assert decimals_in_prose(text + "| 1e3 | 7.5e-3 |\n\n$$ 2.5 $$\n") == ["0.25", "3.5", "7.5e-3"]
 
 
+MANNERISMS = re.compile(
+    r"\b(?:comes? back|came back|errs|(?:is|are) told|can be had)\b|(?:^|[.:] )Who(?:ever)? [a-z]",
+    re.M,
+)
+"""For these the field has words: is reproduced, has an error of, is reported, is available."""
+
+
+def test_chapters_use_the_words_of_the_field():
+    found = {p.name: MANNERISMS.findall(p.read_text("utf-8")) for p in CHAPTERS}
+    assert {name: phrases for name, phrases in found.items() if phrases} == {}
+
+
+def test_a_mannerism_is_found():
+    """It is found at the beginning of a line and within a sentence, and in no longer word."""
+    text = "Who has two meshes\nknows that fields come back. It errs. Errors are reported.\n"
+    assert MANNERISMS.findall(text) == ["Who h", "come back", "errs"]
+
+
 def test_every_chapter_begins_with_its_heading():
     """Each file has one first-level heading, with a label."""
     for path in CHAPTERS:

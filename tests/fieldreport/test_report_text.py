@@ -54,7 +54,7 @@ VALUES = {
 WHOLE = r"""# First {#sec:first}
 
 See [@fig:bumps; @fig:far], @tbl:errors, @tbl:which, @eq:one, [-@eq:two], @sec:first, @sec:inner,
-@app:more, @thm:one, @exr:one, @lst:one and [@wendland2005, chapter 8].
+@app:more, @thm:one, [@exr:one]{.with-page}, @lst:one and [@wendland2005, chapter 8].
 
 Prose: {{bumps.small:.1e}}, {{bumps.ratio:.1f}}, {{bumps.count:,}}, {{bumps.rounding:.0e}},
 {{bumps.word}}, {{bumps.order_one:.0e}}, {{bumps.one_digit:.0e}},
@@ -273,6 +273,13 @@ def test_numbered_elements_show_the_number_of_their_references(page, typ):
     assert re.findall(r'<span class="secno">(.*?)</span>', page) == ["1", "1.1", "A"] * 2
 
 
+def test_a_reference_with_its_page_has_the_page_in_print_only(page, typ):
+    """The page number belongs to the target; on the screen the link suffices."""
+    assert re.search(r"#link\(<exr:one>\)\[Exercise.1\.1\]\s*#page-of\(<exr:one>\)", typ)
+    assert typ.count("#page-of(<exr:one>)") == 1
+    assert "page-of" not in page
+
+
 def test_internal_links_have_targets(page, typ):
     ids = set(re.findall(r'\bid="([^"]+)"', page))
     assert set(re.findall(r'href="#([^"]+)"', page)) <= ids
@@ -299,13 +306,21 @@ def test_powers_of_ten_are_set_as_mathematics(page, typ):
 
 
 def test_figures_have_alternative_texts_and_their_origin(page, typ):
-    """Alternative texts contain facts as plain text; the origin names experiment and parameters."""
+    """Alternative texts contain facts as plain text; the origin names the experiment.
+
+    The page folds its parameters; the print refers to their list.
+    """
     alt = 'Bumps at 1.2 × 10⁻³ < 1 and "so" on the left.'
     assert alt in [html.unescape(a) for a in re.findall(r'<img [^>]*alt="([^"]*)"', page)]
     assert 'alt: "{}"'.format(alt.replace('"', r"\"")) in typ
     origin = "Experiment bumps: points = 1000; epsilon = ; powers = 1, 2, …, 8."
     assert words(page).count(origin) == 3
-    assert typ.count("#provenance[") == 4
+    assert page.count('<details class="provenance"><summary>Experiment ') == 3
+    origins = re.findall(r"#provenance\[.*", typ)
+    assert len(origins) == 4
+    assert [("#page-of(<experiment-bumps>)" in x, "points" in x) for x in origins[:3]] == [
+        (True, False)
+    ] * 3
     assert "Experiments bumps and other." in words(page)
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 from hostile.case import COUNTED, EVERYTHING, SANDBOXED, Case
 
 LOST = ("01.2",)
+WROTE = "it wrote too much"
 
 
 def fit(body, name, **more):
@@ -85,6 +86,35 @@ CRASHES = [
     fit("import os\nos._exit(0)", "an exit that says all is well", status="partly"),
     cell("import os; os._exit(0)", "an exit in a cell"),
     fit("import os, signal\nos.kill(os.getpid(), signal.SIGKILL)", "suicide"),
+    fit(
+        "import signal\nsignal.raise_signal(signal.SIGKILL)",
+        "suicide that looks like a lack of memory",
+        status="graded",
+        tiers=SANDBOXED,
+    ),
+    fit(
+        """import resource
+resource.setrlimit(resource.RLIMIT_CPU, (0, 1))
+while True: pass""",
+        "a limit lowered so that the system kills",
+        status="graded",
+        tiers=SANDBOXED,
+    ),
+    fit(
+        """import ctypes
+class Event(ctypes.Structure):
+    _fields_ = [("value", ctypes.c_long), ("signal", ctypes.c_int), ("rest", ctypes.c_int * 13)]
+number = {"x86_64": 222, "aarch64": 107}[__import__("os").uname().machine]
+timer, c = ctypes.c_int(), ctypes.CDLL(None)
+if c.syscall(number, 1, ctypes.byref(Event(0, 9)), ctypes.byref(timer)) == -1:
+    raise OSError
+times = (ctypes.c_long * 4)(0, 0, 0, 10 ** 6)
+c.syscall(number + (1 if number == 222 else 3), timer, 0, times, None)
+import time; time.sleep(3)""",
+        "a timer that kills",
+        status="graded",
+        tiers=SANDBOXED,
+    ),
     fit("import sys\nsys.exit(0)", "sys.exit in an answer", status="graded"),
     fit("raise KeyboardInterrupt", "an interrupt raised by an answer"),
     fit(
@@ -157,9 +187,70 @@ FLOODS = [
         "file = open('large', 'wb')\nwhile True:\n    file.write(b'x' * (1 << 20))",
         "a file without an end",
     ),
+    *(
+        cell(
+            f"""
+import ctypes, mmap, os, struct, time
+c, kept, written = ctypes.CDLL(None), [], 0
+{before}
+for k in range(40):
+    with open("f", "w+b") as file:
+        try:
+            file.write(bytes(16 << 20)); file.flush()
+        except OSError:
+            break
+        {keep}
+    os.unlink("f")
+    written += 16
+time.sleep(2)
+raise ValueError(f"{{written}} MiB are kept")
+""",
+            name,
+            notes=notes,
+            tiers=SANDBOXED,
+        )
+        for name, before, keep, notes in (
+            (
+                "files without a name",
+                "",
+                "kept.append(os.open('.', os.O_TMPFILE | os.O_RDWR)); "
+                "os.write(kept[-1], bytes(15 << 20))",
+                WROTE,
+            ),
+            (
+                "files that are allocated and not written",
+                "",
+                "kept.append(open(f'{k}', 'wb')); "
+                "os.posix_fallocate(kept[-1].fileno(), 0, 15 << 20)",
+                WROTE,
+            ),
+            ("deleted files, kept open", "", "kept.append(os.dup(file.fileno()))", WROTE),
+            (
+                "deleted files, kept mapped",
+                "c.mmap.argtypes = [ctypes.c_long] * 6",
+                "c.mmap(0, 4096, mmap.PROT_READ, mmap.MAP_SHARED, file.fileno(), 0)",
+                WROTE,
+            ),
+            (
+                "deleted files, kept by rules of access",
+                'rules = c.syscall(444, struct.pack("Q", 4), 8, 0)',
+                'assert not c.syscall(445, rules, 1, struct.pack("=Qi", 4, file.fileno()), 0)',
+                "AssertionError",
+            ),
+        )
+    ),
     fit(
         "import time\nfor k in range(10 ** 6):\n    open(f'file{k}', 'w').close()\ntime.sleep(60)",
         "files without an end",
+    ),
+    fit(
+        "for k in range(1500):\n    open(f'file{k}', 'w').close()\nreturn np.zeros(3)",
+        "more files than allowed, written before anybody looks",
+    ),
+    cell(
+        "for k in range(1500):\n    open(f'file{k}', 'w').close()",
+        "more files than allowed, in a cell",
+        status="partly",
     ),
     fit(
         "import os\nfor _ in range(3000):\n    os.mkdir('d' * 100); os.chdir('d' * 100)\n"

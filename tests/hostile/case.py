@@ -10,6 +10,7 @@ from typing import Any
 
 from fieldcheck.questions import questions
 from fieldgrade.isolation.server import tiers
+from fieldgrade.submissions.submission import Submission
 
 ROOT = Path(__file__).parent.parent.parent
 ALL = frozenset({"bubblewrap", "landlock", "none"})
@@ -51,6 +52,12 @@ class Case:
         Text expected in the notes, if any.
     number : str
         The notebook from which the file is made.
+    helpers : mapping
+        The content of files beside it, by their paths.
+    missing : str
+        The modules that are reported as missing.
+    missing_files, missing_fonts : tuple of str
+        The files and fonts that are reported as missing.
     """
 
     name: str
@@ -63,10 +70,22 @@ class Case:
     status: str = ""
     notes: str = ""
     number: str = "01"
+    helpers: Mapping[str, str | bytes] = field(default_factory=dict)
+    missing: str = ""
+    missing_files: tuple[str, ...] = ()
+    missing_fonts: tuple[str, ...] = ()
 
     def fair_points(self) -> dict[str, float]:
         """The points of each question that a fair grader gives."""
         return {q: 0.0 if q in self.lost else p for q, p in POINTS[self.number].items()}
+
+    def submission(self, places: Mapping[str, str]) -> Submission:
+        """The file with its helpers, as a submission."""
+        helpers = tuple(
+            (name, text.encode() if isinstance(text, str) else text)
+            for name, text in self.helpers.items()
+        )
+        return Submission("hostile", *self.submitted_file(places), helpers)
 
     def submitted_file(self, places: Mapping[str, str]) -> tuple[str, bytes]:
         """The name and the bytes of the file; ``@NAME@`` in code stands for a value of `places`."""

@@ -190,6 +190,7 @@ def fit(points, values):
 """
         },
         tiers=SANDBOXED,
+        missing="fieldrecon",
     ),
     cheat(
         "answers sought in memory and in frames",
@@ -223,6 +224,7 @@ fieldcheck.check = fieldcheck.progress = lambda *args: "right"
 grade = points = score = credit = verdict = 100
 """,
         after="result = {'01.1': 2, '01.2': 3}; raise SystemExit(0)",
+        missing="fieldrecon",
     ),
     cheat(
         "results forged in files",
@@ -374,6 +376,7 @@ while True:
     pass
 """,
         lost=EVERYTHING,
+        tiers=frozenset({"landlock"}),  # its time limits take a minute on each
     ),
     cheat(
         "performing patched",

@@ -13,6 +13,7 @@ import pytest
 
 from fieldgrade.authoring.build import all_sources
 from fieldgrade.checking.course import Course
+from fieldgrade.isolation import server as server_module
 from fieldgrade.isolation.server import MEBIBYTE, Limits, Server
 from fieldgrade.sandbox import landlock
 from hostile.case import ROOT
@@ -56,6 +57,7 @@ class Places:
             "CANARY": str(self.canary),
             "OUT": str(self.out),
             "MARK": self.token,
+            "SECRET": self.secret,
             "ROOT": str(ROOT),
             "HOME": str(Path.home()),
             "GRADER": str(os.getpid()),
@@ -129,14 +131,15 @@ def servers(places):
     with ExitStack() as stack:
         started = {}
 
-        def server(tier, landlocked=True):
-            if (tier, landlocked) not in started:
+        def server(tier, landlocked=True, own_mounts=True):
+            kind = tier, landlocked, own_mounts
+            if kind not in started:
                 with pytest.MonkeyPatch.context() as patch:
+                    patch.setattr(server_module, "OWN_MOUNTS", own_mounts)
                     if not landlocked:
                         patch.setattr(landlock, "version", lambda: 0)
-                    made = stack.enter_context(Server(tier, LIMITS).started())
-                started[tier, landlocked] = made
-            return started[tier, landlocked]
+                    started[kind] = stack.enter_context(Server(tier, LIMITS).started())
+            return started[kind]
 
         yield server
 

@@ -104,6 +104,32 @@ def huge(made):
             ]
 
 
+def large(name, value):
+    """A function that adds a value to each code cell and to the metadata."""
+
+    def change(made):
+        for cell in made["cells"]:
+            if cell["cell_type"] == "code":
+                cell[name] = value
+        made["metadata"][name] = value
+
+    return changed(change)
+
+
+def attached(made):
+    """A text with a picture, as Jupyter stores one that is dragged into a cell."""
+    picture = {"x.png": {"image/png": "A" * 30_000_000}}
+    made["cells"].append({"cell_type": "markdown", "source": "", "attachments": picture})
+
+
+def nested(levels):
+    """Arrays in arrays."""
+    inner = []
+    for _ in range(levels - 1):
+        inner = [inner]
+    return inner
+
+
 def odd_cells(made):
     """Invalid cells among the valid ones."""
     made["cells"][3:3] = [
@@ -147,6 +173,28 @@ CASES = [
         lambda _: ("01.ipynb", b"\x89PNG\r\n\x1a\n" + bytes(range(256))),
         "is not text",
     ),
+    unreadable("metadata nested 900 levels deep", large("x", nested(900)), "50 levels deep"),
+    unreadable("a notebook nested 100 levels deep", large("x", nested(100)), "50 levels deep"),
+    unreadable(
+        "notebooks in notebooks",
+        lambda _: ("01.ipynb", b'{"cells":' * 200 + b"1" + b"}" * 200),
+        "50 levels deep",
+    ),
+    unreadable(
+        "a hundred thousand names",
+        lambda _: ("01.ipynb", b"{" + b",".join(b'"%d":{}' % k for k in range(110_000)) + b"}"),
+        "more than 300000 elements",
+    ),
+    unreadable(
+        "a number of 5000 digits in the metadata",
+        lambda made: ("01.ipynb", text(made | {"x": "@"}).replace(b'"@"', b"7" * 5000)),
+        "broken",
+    ),
+    unreadable(
+        "twenty megabytes of empty objects",
+        lambda _: ("01.ipynb", b'{"cells": [' + b"{}," * (6 << 20) + b"{}]}"),
+        "more than 300000 elements",
+    ),
     unreadable("a page of HTML", lambda _: ("01.ipynb", b"<!DOCTYPE html><html></html>"), "no"),
     unreadable(
         "a notebook of something else",
@@ -170,7 +218,17 @@ CASES = [
     ),
     file("UTF-16", lambda made: ("01.ipynb", as_file(made)[1].decode().encode("utf-16"))),
     file("pictures of ten megabytes", changed(huge)),
-    file("a stub after an answer", changed(stale), lost=("01.2",), notes="stub"),
+    file("thirty megabytes of printed text", large("outputs", [{"text": ["0.12345\n"] * 100_000}])),
+    file("thirty megabytes of one picture", large("outputs", [{"image/png": "A" * 1_500_000}])),
+    file(
+        "numbers that are not numbers", changed(lambda made: made.update(x=[float("nan"), 9e999]))
+    ),
+    file("cells given twice", lambda made: ("01.ipynb", b'{"cells": [], ' + as_file(made)[1][1:])),
+    file("thirty megabytes of a picture in a text", changed(attached)),
+    file("fifty megabytes of tables", large("outputs", [{"text/html": '"\\]}\u2028' * 170_000}])),
+    file("outputs nested 900 levels deep", large("outputs", nested(900))),
+    file("the state of many widgets", large("widgets", {"state": [{}] * 250_000})),
+    file("a stub after an answer", changed(stale), notes="stub"),
     file("an answer deleted", changed(one_is_missing), lost=("01.6",)),
     file("a hundred thousand brackets", with_cell("(" * 10**5 + "1" + ")" * 10**5)),
     file("a million signs", with_cell("-" * 10**6 + "1")),
@@ -181,7 +239,11 @@ CASES = [
         with_cell("\n".join(" " * k + "if 1:" for k in range(120)) + " pass"),
     ),
     file("a number of a million digits", with_cell("x = " + "9" * 10**6)),
-    file("a line of ten million letters", with_cell("x = '" + "x" * 10**7 + "'")),
+    unreadable(
+        "a line of ten million letters",
+        with_cell("x = '" + "x" * 10**7 + "'"),
+        "more than 1 MiB of code",
+    ),
     file(
         "lone surrogates and zeros in the code",
         changed(lambda made: made["cells"].append(code_cell("x = '\udc80\\0'\n\x00"))),

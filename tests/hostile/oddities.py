@@ -50,7 +50,12 @@ display(plt.gcf())
         "np.random.default_rng = lambda *args: 1 / 0",
     ),
     odd("sys.exit in a scratch cell", "exit()", before="import sys; sys.exit(1)"),
-    odd("a package that is not here", "import pandas_but_not_here", before="import torch.nowhere"),
+    odd(
+        "a package that is not here",
+        "import pandas_but_not_here",
+        before="import torch_but_not_here.nowhere",
+        missing="torch_but_not_here pandas_but_not_here",
+    ),
     odd(
         "names used again",
         "x = points = values = data = check = progress = draw = 3",
@@ -68,6 +73,28 @@ display(plt.gcf())
         "files of one's own",
         "np.save('mine.npy', np.ones(3)); np.load('mine.npy'); "
         "open('notes.txt', 'w').write('x'); import tempfile; tempfile.TemporaryFile().write(b'x')",
+    ),
+    in_fit(
+        "a database",
+        """import sqlite3
+    for _ in range(2):
+        with sqlite3.connect('mine.db', isolation_level='EXCLUSIVE') as base:
+            base.execute('create table if not exists mine (x)')
+            base.execute('insert into mine values (1)')
+    assert base.execute('select count(*) from mine').fetchone()[0] >= 2""",
+    ),
+    in_fit(
+        "locked files",
+        """import fcntl
+    with open('mine.txt', 'w') as file:
+        fcntl.flock(file, fcntl.LOCK_EX); fcntl.lockf(file, fcntl.LOCK_EX)
+        fcntl.lockf(file, fcntl.LOCK_UN)""",
+    ),
+    in_fit(
+        "arrays in files",
+        """np.save('mine.npy', b)
+    np.savez_compressed('mine.npz', b=b)
+    b = np.array(np.load('mine.npy', mmap_mode='r')) + 0 * np.load('mine.npz')['b']""",
     ),
     odd(
         "threads of one's own",
@@ -106,7 +133,8 @@ def fit(points: "np.ndarray", values: "np.ndarray" = None, *, weights=None) -> "
             "rank": """
 def rank(points):
     centered = np.array(points) - np.mean(points, axis=0)
-    return [[int(1 + np.linalg.matrix_rank(centered, tol=1e-9 * np.ptp(points)))]][0][0]
+    extent = np.ptp(points, axis=0).max()
+    return [[int(1 + np.linalg.matrix_rank(centered, tol=1e-9 * extent))]][0][0]
 """,
             "fit": RIGHT_FIT.replace("@ODD@", "")
             .replace("return np", "return list(np")

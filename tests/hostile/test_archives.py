@@ -31,6 +31,15 @@ def nested(content):
     return buffer.getvalue()
 
 
+def many_files():
+    """A zip file of a student with 21 000 empty files."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as pack:
+        for k in range(21_000):
+            pack.writestr(f"{k}.txt", b"")
+    return buffer.getvalue()
+
+
 TRICKS = {
     "up": lambda _: [("../../mallory_01.ipynb", HONEST), ("../canary/secret", "hostile")],
     "absolute": lambda places: [(f"{places.canary}/new", "hostile"), ("/tmp/x.ipynb", HONEST)],
@@ -47,6 +56,7 @@ TRICKS = {
         ("sitecustomize.py", "raise SystemExit"),
     ],
     "a bomb": lambda _: [("mallory.zip", nested(bytes(50 << 20)))],
+    "more files than allowed": lambda _: [("mallory.zip", many_files())],
     "a name that is taken": lambda _: [("alice_01.ipynb/alice_01.ipynb", b"{}")],
     "a thousand folders deep": lambda _: [("a/" * 1000 + "mallory_01.ipynb", HONEST)],
     "odd names": lambda _: [("mallory\x00\x1b[2J\n_01.ipynb", HONEST), ("\udc80.ipynb", b"{}")],

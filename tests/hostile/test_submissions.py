@@ -8,8 +8,19 @@ import pytest
 
 from fieldgrade.checking.grade_submission import grade
 from fieldgrade.submissions.submission import Submission
-from hostile import breakdowns, cheats, damage, oddities, trespass
-from hostile.case import HERE, POINTS, Case, as_file, notebook
+from hostile import (
+    beside,
+    blocks,
+    breakdowns,
+    cheats,
+    damage,
+    fallbacks,
+    given,
+    oddities,
+    running,
+    trespass,
+)
+from hostile.case import HERE, POINTS, SANDBOXED, Case, as_file, notebook
 
 REQUIRED = [tier for tier in os.environ.get("FIELDRECON_REQUIRE_TIERS", "").split(",") if tier]
 
@@ -26,8 +37,26 @@ FAMILIES = {
     "poison": trespass.POISON,
     "damage": damage.CASES,
     "oddity": oddities.CASES,
+    "import": running.IMPORTED,
+    "helper": running.HELPERS,
+    "name": running.NAMES,
+    "stub": running.STUBS,
+    "Jupyter": running.JUPYTER,
+    "beside": beside.SUBMITTED,
+    "no file": beside.NOT_SUBMITTED,
+    "font": beside.FONTS,
+    "fallback": fallbacks.CASES,
+    "block": blocks.BLOCKS,
+    "not reached": blocks.NOT_REACHED,
+    "scratch": running.SCRATCH,
+    "given": given.CASES,
 }
 HONEST = as_file(notebook())
+EMPTY_HOME = """
+import os
+assert os.listdir(".") == [] and os.listdir("..") == [os.path.basename(os.getcwd())]
+"""
+HONEST_IN_AN_EMPTY_HOME = Case("an empty home", before=EMPTY_HOME).submitted_file({})
 
 
 def cases():
@@ -72,9 +101,22 @@ if sys.platform == "linux":
         server = servers("none")
         watchdog(server)
         case = next(c for its in FAMILIES.values() for c in its if c.name == name)
-        record = grade(course, server, Submission("hostile", *case.submitted_file(places.values)))
+        record = grade(course, server, case.submission(places.values))
         detected = "secret" if places.secret in repr(record) else " ".join(places.reached())
         assert TRACES[name] in detected
+
+
+HONEST_KINDS = ("import", "helper", "name", "stub", "Jupyter", "beside", "font", "block", "scratch")
+
+
+@pytest.mark.slow
+def test_what_runs_in_jupyter_is_graded_in_full(course, servers):
+    """One case of each kind, without a sandbox; all of them are tried on every tier."""
+    for case in (FAMILIES[kind][0] for kind in HONEST_KINDS):
+        record = grade(course, servers("none"), case.submission({}))
+        assert points(record) == case.fair_points(), (case.name, record.notes)
+        assert " ".join(record.missing.modules) == case.missing
+        assert case.notes in " ".join(record.notes)
 
 
 def points(record):
@@ -83,7 +125,7 @@ def points(record):
 
 def running(server):
     """The processes started by a server, including itself, and those that carry its mark."""
-    scratch, found = str(server._scratch), []
+    scratch, found = str(server._scratch.folder), []
     for entry in Path("/proc").iterdir() if Path("/proc/self").exists() else ():
         if entry.name.isdigit():
             try:
@@ -101,23 +143,26 @@ def check_case(case, server, course, places):
     if server._process is None or server._process.poll() is not None:
         grade(course, server, Submission("first", *HONEST))
     process, alone = server._process, running(server)
-    name, content = case.submitted_file(places.values)
 
-    record = grade(course, server, Submission("hostile", name, content))
+    record = grade(course, server, case.submission(places.values))
 
-    expected = {} if record.status == "unreadable" else case.fair_points()
-    assert points(record) == expected, (record.notes, record.status)
+    expected = {} if case.status == "unreadable" else case.fair_points()
+    verdicts = [(g.question, g.verdict) for g in record.grades]
+    assert points(record) == expected, (record.notes, record.status, verdicts)
     assert not case.status or record.status == case.status, record.notes
     assert case.notes in " ".join(record.notes)
+    assert " ".join(record.missing.modules) == case.missing
+    # a file outside the sandbox is missing in one sandbox and forbidden in another
+    files = tuple(name for name in record.missing.files if not Path(name).is_absolute())
+    assert (files, record.missing.fonts) == (case.missing_files, case.missing_fonts)
     assert places.secret not in repr(record)
     repr(record).encode()
     assert places.reached() == []
     assert running(server) == alone
     assert server._process is process
     assert process.poll() is None
-    assert list((server._scratch / "homes").iterdir()) == []
 
-    honest = grade(course, server, Submission("honest", *HONEST))
+    honest = grade(course, server, Submission("honest", *HONEST_IN_AN_EMPTY_HOME))
     assert points(honest) == POINTS["01"]
     assert honest.status == "graded"
     assert honest.notes == ()
@@ -131,6 +176,21 @@ def test_a_hostile_submission_is_graded_fairly_and_contained(
     """Each question gets a fair grade; no other file, process or submission is affected."""
     watchdog(servers(tier))
     check_case(case, servers(tier), course, places)
+
+
+WITHOUT_MOUNTS = [*trespass.CASES, *breakdowns.FLOODS]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", WITHOUT_MOUNTS, ids=lambda case: case.name)
+@pytest.mark.parametrize("tier", [tier for tier in HERE if tier in SANDBOXED][:1])
+def test_hostile_submissions_are_contained_where_mounts_are_forbidden(
+    case, tier, course, servers, places, watchdog
+):
+    """Some systems forbid namespaces; then homes are folders on the disk."""
+    server = servers(tier, own_mounts=False)
+    watchdog(server)
+    check_case(case, server, course, places)
 
 
 if "bubblewrap" in HERE:

@@ -142,6 +142,26 @@ def fit(points, values):
         lost=("01.2",),
     ),
     tries(
+        "attributes of files that may only be read",
+        """
+import fcntl, fieldcheck, struct
+file = open(fieldcheck.__file__, "rb")
+changed = []
+for name, get, put, size in (("flags", 0x80086601, 0x40086602, 8),
+                             ("version", 0x80087601, 0x40087602, 8),
+                             ("project", 0x801C581F, 0x401C5820, 28)):
+    before = bytearray(size)
+    try:
+        fcntl.ioctl(file, get, before)
+        fcntl.ioctl(file, put, bytes([before[0] ^ 0x40, *before[1:]]))
+        changed.append(name)
+    except OSError:
+        pass
+raise ValueError(f"changed: {changed}")
+""",
+        notes="changed: []",
+    ),
+    tries(
         "files of the system told in an error",
         """
 told = ""
@@ -307,6 +327,8 @@ sys.path[:] = []
 """,
         ALL,
         status="partly",
+        # they call what the first line has replaced; 01.3 and 01.6, which call 01.1, do not lose
+        lost=("01.1", "01.2"),
     ),
     tries(
         "files for the next in every folder that can be written",

@@ -15,7 +15,7 @@ if str(ROOT) not in sys.path:
     sys.path.append(str(ROOT))
 
 from benchmarks import __main__ as command
-from benchmarks import charts, graders, memory, mesh_scaling, pages, peers
+from benchmarks import charts, graders, grading, memory, mesh_scaling, pages, peers
 from benchmarks.assignments import SMALL, BenchmarkAssignment
 from benchmarks.compared_methods import METHODS, OURS
 from benchmarks.mesh_velocities import Flow
@@ -29,7 +29,7 @@ def no_bar(items, what):  # noqa: ARG001
     return items
 
 
-LONG = {"memory", "mesh_scaling", "patch_sizes", "peers", "streaming", "million"}
+LONG = {"memory", "mesh_scaling", "patch_sizes", "peers", "streaming", "million", "surveys"}
 LONG |= {"grading", "grading_class", "grading_workers"}
 """These are slow even at the smallest size: they start processes or triangulate."""
 TOY_RUNS = [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in command.NAMES]
@@ -129,6 +129,7 @@ def test_each_method_runs_on_suitable_data_only():
     assert all(OURS in names for names in asked.values())
 
 
+@pytest.mark.slow
 def test_a_failed_run_reports_its_error():
     """The message of the exception is shown instead of numbers."""
     reported = peers.in_own_process("smooth", 2, "fieldrecon MLS, degree 2", 1)
@@ -141,6 +142,7 @@ def test_smoothing_chosen_by_leave_one_out_reduces_the_noise(method):
     assert peers.in_this_process("noisy", 600, method, 1).rms < 0.006
 
 
+@pytest.mark.slow
 def test_the_page_of_results_is_up_to_date(tmp_path):
     """benchmarks/results/README.md is made from the JSON files."""
     for path in (ROOT / "benchmarks" / "results").glob("*.json"):
@@ -219,3 +221,14 @@ def test_generated_submissions_are_right_in_the_stated_questions(number):
 def test_the_versions_of_compared_graders_are_pinned():
     assert graders.version("nbgrader") == "0.9.6"
     assert graders.version("otter") == "7.0.0"
+
+
+def test_the_speed_of_grading_is_stated_once_and_is_what_the_benchmark_requires():
+    """`make bench ONLY=grading` shows it."""
+    pages_ = [ROOT / "README.md", *ROOT.glob("docs/*.md")]
+    lines = [line for page in pages_ for line in page.read_text("utf-8").splitlines()]
+    (stated,) = [line for line in lines if "otter" in line and "times" in line and "fast" in line]
+    assert stated.startswith("| `grading` |")
+    for factor in (f"{1 / ratio:.0f} times" for ratio in grading.AT_MOST.values()):
+        assert factor in stated
+    assert f"at most {grading.MOST_CPU:g} s" in stated

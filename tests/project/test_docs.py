@@ -4,6 +4,7 @@ import ast
 import os
 import re
 import runpy
+import shlex
 import shutil
 import subprocess
 import sys
@@ -18,6 +19,7 @@ from fieldrecon.cli.main import main
 
 PACKAGE = ROOT / "src" / "fieldrecon"
 README = (ROOT / "README.md").read_text()
+ENGINEERS = (ROOT / "docs" / "engineers.md").read_text()
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md")])
 
 
@@ -42,6 +44,23 @@ def test_the_code_of_the_readme_runs():
         assert gradients.shape == (rows, d)
 
 
+@pytest.mark.slow
+def test_the_code_for_engineers_runs(tmp_path, monkeypatch):
+    """The commands in Python, on the sample files; each writes the files that it names."""
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    complete = [code for code in blocks(ENGINEERS, "python") if "fr.pipelines." in code]
+    assert len(complete) == 2
+    for code in complete:
+        exec(code, names)
+    assert names["values"].shape == names["error"].shape == (2,)
+    assert names["grid"].height.shape == (150, 200)
+    assert names["found"].sound()
+    written = re.findall(r'(?:write|report|savefig)\("(\S+)"\)', "".join(complete))
+    assert {*written} == {path.name for path in tmp_path.iterdir()} - {"examples"}
+
+
 def test_make_targets_named_in_the_documentation_exist():
     targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), flags=re.M))
     for page in PAGES:
@@ -64,6 +83,42 @@ def test_the_commands_of_the_readme_run(command, tmp_path, monkeypatch, capsys):
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
     assert main(command) == 0
     assert capsys.readouterr().out
+
+
+INSTRUCTORS = (ROOT / "docs" / "instructors.md").read_text(encoding="utf-8")
+
+
+def test_the_check_shown_to_instructors_is_that_of_the_example_class():
+    example = ROOT / "src/fieldgrade/class_folder/example_class/class/checks/test_order.py"
+    assert blocks(INSTRUCTORS, "python") == [example.read_text(encoding="utf-8")]
+
+
+@pytest.mark.slow
+def test_the_trial_of_the_instructors_page_prints_what_it_shows(tmp_path, monkeypatch, capsys):
+    """The commands run as printed, apart from the folder and from the endless notebook."""
+    monkeypatch.chdir(ROOT)
+    lines = "\n".join(blocks(INSTRUCTORS, "sh")).splitlines()
+    trial = [line.partition(" #")[0] for line in lines if "results/sample" in line]
+    shown = []
+    for line in trial:
+        command = shlex.split(line.replace("results/sample", str(tmp_path / "sample")))[1:]
+        if "--pytest" not in command and command[0] == "grade":
+            shutil.rmtree(tmp_path / "sample" / "submissions" / "dan")
+        assert main(command) in (0, 3)  # Eve's file needs the instructor's eyes
+        shown.append(capsys.readouterr().out)
+    (printed,) = blocks(INSTRUCTORS, "text")
+    assert outcomes(printed) == outcomes(shown[1])
+    sample = tmp_path / "sample"
+    assert f"course export {sample}/graded --class {sample}/class\n" in shown[1]
+    assert (tmp_path / "sample/graded/feedback/eve.html").is_file()
+    assert (tmp_path / "sample/graded/gradescope/01.zip").is_file()
+
+
+def outcomes(printed: str) -> list[tuple[str, str]]:
+    """Return the items that pytest lists, with their outcomes, and the line with their counts."""
+    counts = re.findall(r"collected (.*)", printed)
+    items = re.findall(r"^(?:.*/)?(\S.*) (PASSED|FAILED|SKIPPED)", printed, flags=re.M)
+    return [("collected", counts[0]), *items]
 
 
 def test_continuous_integration_runs_the_command_of_the_readme():

@@ -160,3 +160,13 @@ def test_the_makefile_is_compatible_with_make_3_81():
     text = (ROOT / "Makefile").read_text()
     rules = "\n".join(line for line in text.splitlines() if not line.startswith(("\t", "#")))
     assert not re.search(r"&:|\.ONESHELL|!=|::=|\$\(file |\$\(let |\$\(intcmp ", rules)
+
+
+@pytest.mark.parametrize(("status", "is_success"), [(3, True), (1, False)])
+def test_submissions_that_need_eyes_are_no_failure_of_make(checkout, status, is_success):
+    """The exit status 3 of the command is a success; after the others its message is shown."""
+    command = f"#!/bin/sh\necho 'what to do' >&2\nexit {status}\n"
+    (checkout / ".venv" / "bin" / "fieldrecon").write_text(command)
+    result = make(checkout, "grade", "SUBMISSIONS=in")
+    assert (result.returncode == 0) == is_success
+    assert result.stderr.startswith("what to do\n")

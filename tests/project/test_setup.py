@@ -204,6 +204,7 @@ def test_a_damaged_environment_is_repaired(machine, damage):
     assert machine.set_up() == []
 
 
+@pytest.mark.slow
 def test_a_moved_checkout_gets_a_new_environment(machine):
     """The old environment would import the files of the old location."""
     machine.python("python3")
@@ -224,6 +225,7 @@ def test_the_environment_may_have_another_name(machine):
     assert (work / "thesis").exists()
 
 
+@pytest.mark.slow
 def test_an_additional_lock_file_extends_the_environment(machine):
     """A target with its own packages adds them to the common environment."""
     machine.python("python3")
@@ -231,6 +233,14 @@ def test_an_additional_lock_file_extends_the_environment(machine):
     packages, _ = machine.set_up(".venv/ready-lab")
     assert packages.endswith("-r requirements.lock -r requirements-lab.lock")
     assert machine.set_up(".venv/ready-lab") == []
+
+
+def test_packages_are_fetched_with_the_certificates_of_the_system_if_those_of_uv_fail(machine):
+    """A network that inspects TLS is trusted by the system, and unknown to uv's certificates."""
+    untrusted = "import os\nif 'UV_SYSTEM_CERTS' not in os.environ: sys.exit('UnknownIssuer')\n"
+    machine.stand_in("uv.py", RECORD.replace("NAME", "uv") + untrusted)
+    machine.python("python3")
+    assert [line.split()[0] for line in machine.set_up()] == ["pip", "uv", "uv", "uv"]
 
 
 def test_the_first_suitable_python_is_used(machine):
@@ -371,9 +381,12 @@ def test_the_lock_files_contain_the_dependencies_of_pyproject():
     extras |= settings["dependency-groups"]
     asked = {
         "requirements.lock": [
-            *("pictures", "mesh", "surface", "parquet", "dask", "report", "grade", "test", "lint"),
+            *("pictures", "mesh", "surface", "parquet", "frames", "crs", "dask", "report", "grade"),
+            *("test", "lint"),
         ],
         "requirements-lab.lock": ["lab"],
+        "requirements-browser.lock": ["browser"],
+        "requirements-docs.lock": ["docs"],
         "requirements-bench.lock": ["bench"],
         "requirements-mutation.lock": ["mutation"],
     }

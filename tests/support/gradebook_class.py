@@ -58,9 +58,11 @@ def submission(student, book, name="handed in.ipynb"):
     return Submission(student, name, json.dumps(book).encode())
 
 
-def grade(question, points, possible=2.0, rung=None, sentence="", **parts):
-    rung = rung or ("right" if points >= possible else "wrong")
-    verdict = Verdict(question, rung, sentence, parts.pop("mistake", ""), parts.pop("call", None))
+def grade(question, points, possible=2.0, finding=None, sentence="", **parts):
+    finding = finding or ("right" if points >= possible else "wrong")
+    verdict = Verdict(
+        question, finding, sentence, parts.pop("mistake", ""), parts.pop("call", None)
+    )
     return Grade(question, points, possible, verdict, made_by="0" * 64, **parts)
 
 
@@ -74,12 +76,13 @@ def record(student, grades, notebook="01", **changes):
     return Record(student, notebook=notebook, grades=tuple(grades), code=DIGEST, **fields | changes)
 
 
-def asked(*names, points=2.0, kind="code"):
+def asked(*names, points=2.0, kind="code", title=""):
     return tuple(
         {
             "question": name,
             "notebook": name[:2],
             "kind": kind,
+            "title": title,
             "points": points,
             "function": "f" if kind == "code" else "",
         }

@@ -33,7 +33,7 @@ def class_files():
         "ada/01.ipynb": notebook(*right()),
         "ada/02.ipynb": notebook(*right("02")),
         "bob/01.ipynb": notebook(*right(), SHIFTED),
-        "cai/01.ipynb": notebook(*right(), STUB),
+        "cai/01.ipynb": notebook(*(c for c in right() if "def rank" not in c), STUB),
         "dan/01.ipynb": notebook(*right())[:-200],
     }
 

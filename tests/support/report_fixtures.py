@@ -101,6 +101,8 @@ class SmallReport:
         for name in ("fake_a", "fake_b"):
             self.write_experiment(name)
         self.write_chapter()
+        # A change within the same second that keeps the length would leave the compiled file valid.
+        monkeypatch.setattr(sys, "dont_write_bytecode", True)
         monkeypatch.setattr(rerun, "workers", lambda count: nullcontext(Inline()))  # noqa: ARG005
         monkeypatch.setattr(experiments, "_HERE", self.code.parent)
         monkeypatch.setattr(experiments, "__path__", [str(self.code.parent), *experiments.__path__])

@@ -33,8 +33,8 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law(
-    "Applied to the coefficients of a field, B must give the field at the points, so "
-    "that two rows differ as their points do."
+    "B times the coefficients must be the values of the field at the points. So the difference "
+    "between two rows must be a zero followed by the difference between their points."
 )
 def spans_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest difference between B-differences and coordinate differences of points."""
@@ -73,8 +73,8 @@ def fit_tolerance(call: Call) -> float:
 
 
 @law_of_each(
-    "The residual of the best fit is orthogonal to the columns of B: it sums to zero, "
-    "also when weighted by a coordinate."
+    "The residual of the best fit must be orthogonal to the columns of B. So its sum must be "
+    "zero, also when weighted by a coordinate."
 )
 def residual_is_orthogonal(call: Call, values: Values) -> float:
     """Return the largest sum of residuals, unweighted and weighted by a coordinate."""
@@ -93,11 +93,14 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     return tuple(
         Call(name, (random.normal(size=d + 1), random.normal(size=(m, d))), case)
-        for m, d, case in ((6, 2, "six places in the plane"), (4, 3, "four places in space"))
+        for m, d, case in (
+            (6, 2, "six evaluation points in the plane"),
+            (4, 3, "four evaluation points in space"),
+        )
     )
 
 
-@law("From one place to another the field changes by the slope times the way.")
+@law("The difference of two values must be the product of the slopes and the difference of points.")
 def moves_by_the_gradient(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest error of differences of values, which do not contain the constant."""
     return max(
@@ -112,40 +115,50 @@ def moves_by_the_gradient(calls: Sequence[Call], values: Sequence[Values]) -> fl
 
 
 def rank_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points that span a plane, a line or a single point, and points far from the origin."""
+    """Return points of each rank, far from the origin, nearly on a line, and in another unit."""
     random = np.random.default_rng(seed)
     along, line = random.normal(size=(9, 1)), random.normal(size=(2, 2))
-    plane = random.normal(size=(10, 2)) @ random.normal(size=(2, 3)) + random.normal(size=3)
+    layer = random.normal(size=(10, 2)) @ random.normal(size=(2, 3)) + random.normal(size=3)
+    cases = (
+        (random.random((9, 2)), "nine points in the plane"),
+        (random.random((2, 3)), "two points in space"),
+        (np.array([1e7, -3e6]) + random.random((8, 2)), "eight points of the plane, 10⁷ away"),
+        (np.array([2e6, 0, 1e7]) + random.random((9, 3)), "nine points in space, 10⁷ away"),
+        (random.random((8, 2)) * [1, 1e-4], "eight points in a strip of width 10⁻⁴"),
+        (np.array([1e6, -3e5]) + random.random((8, 2)) * [1e-4, 1], "a strip, 10⁶ away"),
+        (random.random((9, 3)) * [1e-4, 1, 1], "nine points in a layer of thickness 10⁻⁴"),
+        (random.random((8, 2)) * [1e-8, 1], "eight points in a strip of width 10⁻⁸"),
+        (random.random((9, 3)) * [1, 1, 1e-8], "nine points in a layer of thickness 10⁻⁸"),
+        (random.random((8, 2)) * [1, 1e-12], "eight points within 10⁻¹² of a line"),
+        (random.random((9, 3)) * [1, 1, 1e-12], "nine points within 10⁻¹² of a plane"),
+        (1e-9 * random.random((7, 2)), "seven points in a square of 10⁻⁹"),
+        (1e-9 * random.random((8, 3)), "eight points in a cube of 10⁻⁹"),
+    )
+    exact = (
+        (line[0] + along * line[1], "nine points on one line"),
+        (np.tile(random.random((1, 2)), (4, 1)), "one point of the plane four times"),
+        (layer, "ten points in one plane of space"),
+        (1000 + line[0] + along * line[1], "nine points on a line, 1000 away"),
+        (1000 + layer, "ten points in one plane of space, 1000 away"),
+        (1e-9 * (line[0] + along * line[1]), "nine points on a line of length 10⁻⁹"),
+    )
     return (
-        Call("rank", (random.random((9, 2)),), "nine points in the plane"),
-        Call("rank", (line[0] + along * line[1],), "nine points on one line", exact=(0,)),
-        Call(
-            "rank",
-            (np.tile(random.random((1, 2)), (4, 1)),),
-            "one point of the plane four times",
-            exact=(0,),
-        ),
-        Call("rank", (plane,), "ten points in one plane of space", exact=(0,)),
-        Call("rank", (random.random((2, 3)),), "two points in space"),
-        Call(
-            "rank",
-            (1000.0 + random.random((8, 2)),),
-            "eight points in the plane at an offset of 1000",
-        ),
+        *(Call("rank", (points,), case) for points, case in cases),
+        *(Call("rank", (points,), case, exact=(0,)) for points, case in exact),
     )
 
 
-@law("A rank is a whole number from 1 to the number of rows, or of columns if these are fewer.")
+@law("The rank must be a whole number, at least 1 and at most the number of rows or of columns.")
 def is_a_possible_rank(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far a rank is from an integer, or above the numbers of rows and columns."""
-    told = (
+    ranks = (
         (float(r), min(c.arguments[0].shape[0], c.arguments[0].shape[1] + 1))
         for c, (r,) in zip(calls, values, strict=True)
     )
-    return max(max(abs(r - round(r)), 1 - r, r - most) for r, most in told)
+    return max(max(abs(r - round(r)), 1 - r, r - most) for r, most in ranks)
 
 
-@law("An affine field has the same gradient at every place.")
+@law("An affine field must have the same gradient at every point.")
 def is_constant(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how much the gradient differs between evaluation points."""
     return max(relative(np.ptp(g, axis=0), g) for (g,) in values)
@@ -163,14 +176,14 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
     return calls_of(
         "objective",
         ((plane, data, c), "nine points in the plane"),
-        ((plane, 2 * exact - data, c), "nine points with the residual turned round"),
+        ((plane, 2 * exact - data, c), "nine points with the opposite residual"),
         ((plane, exact + 3 * (data - exact), c), "nine points with three times the residual"),
         ((space, random.normal(size=6), random.normal(size=4)), "six points in space"),
     )
 
 
 @law(
-    "ψ is a square: the same for the opposite residual, nine times as large for three "
+    "ψ must be a square: the same for the opposite residual, and nine times as large for three "
     "times the residual."
 )
 def is_a_square(_: Sequence[Call], values: Sequence[Values]) -> float:
@@ -205,7 +218,15 @@ QUESTIONS = (
         lambda call: ((len(call.arguments[1]),),),
         (moves_by_the_gradient,),
     ),
-    Question("01.4", "rank", 2, rank_inputs, lambda _: ((),), (is_a_possible_rank,)),
+    Question(
+        "01.4",
+        "rank",
+        2,
+        rank_inputs,
+        lambda _: ((),),
+        (is_a_possible_rank,),
+        may_call=("01.1",),
+    ),
     Question(
         "01.5",
         "gradient",
@@ -214,5 +235,13 @@ QUESTIONS = (
         lambda call: (call.arguments[1].shape,),
         (is_constant,),
     ),
-    Question("01.6", "objective", 1, objective_inputs, lambda _: ((),), (is_a_square,)),
+    Question(
+        "01.6",
+        "objective",
+        1,
+        objective_inputs,
+        lambda _: ((),),
+        (is_a_square,),
+        may_call=("01.3",),
+    ),
 )

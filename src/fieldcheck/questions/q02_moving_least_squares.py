@@ -23,13 +23,11 @@ def rounding(points: np.ndarray, spread: float) -> float:
     """Return the rounding error of the normal equations; `spread` is the ratio of the weights.
 
     It is eps times the squared condition of WB, which is at most the spread times the condition of
-    B.
+    B. The columns of B have length one here: elimination does not depend on their scale.
     """
-    return (
-        100
-        * EPS
-        * float(spread * np.linalg.cond(np.pad(points, ((0, 0), (1, 0)), constant_values=1))) ** 2
-    )
+    b = np.pad(points, ((0, 0), (1, 0)), constant_values=1)
+    scaled = b / np.sqrt((b * b).sum(axis=0))
+    return 100 * EPS * float(spread * np.linalg.cond(scaled)) ** 2
 
 
 def local_rounding(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
@@ -50,7 +48,7 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         ((plane, x, 0.3), "seven points in the plane"),
         ((3 * plane, 3 * x, 0.9), "the same points in another unit of length"),
         ((space, random.normal(size=3), 0.6), "five points in space"),
-        ((plane, plane[2].copy(), 0.2), "a place that is one of the points"),
+        ((plane, plane[2].copy(), 0.2), "an evaluation point that is one of the points"),
     )
 
 
@@ -65,7 +63,7 @@ def weights_differ_like_squared_distances(call: Call, values: Values) -> float:
     return relative(w[:-1] - w[1:] - expected * w[:-1] * w[1:], w)
 
 
-@law("At a point itself r is zero, and its weight is the greatest there is.")
+@law("At a point itself r is zero, and the weight must be 1/ε².")
 def greatest_at_the_point_itself(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(abs(values[3][0][2] * calls[3].arguments[2] ** 2 - 1))
 
@@ -130,8 +128,7 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law(
-    "An affine field is one of those that are fitted: adding it to the values must "
-    "add it to the result.",
+    "Adding an affine field to the values must add it to the result, since the fit reproduces it.",
     LOCAL,
 )
 def reproduces_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
@@ -141,8 +138,8 @@ def reproduces_affine_fields(calls: Sequence[Call], values: Sequence[Values]) ->
 
 
 @law(
-    "Moving points and places together, or measuring all lengths in another unit, "
-    "must not change the value.",
+    "The value must stay the same if all points are moved together, or if the unit of length "
+    "changes.",
     LOCAL,
 )
 def only_relative_positions_count(calls: Sequence[Call], values: Sequence[Values]) -> float:
@@ -184,16 +181,16 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law(
-    "ψ is a sum of squares: doubling the values and the coefficients must make it "
-    "four times as large."
+    "ψ is a sum of squares, so doubling the values and the coefficients must make it four times "
+    "as large."
 )
 def is_quadratic(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[1][0] - 4 * values[0][0], values[1][0])
 
 
 @law(
-    "Only the difference of Bc and V counts: adding the same affine field to both "
-    "must change nothing."
+    "Adding the same affine field to Bc and V must not change ψ, which depends on their "
+    "difference only."
 )
 def depends_on_the_residual_only(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0], values[0][0])
@@ -203,30 +200,36 @@ def depends_on_the_residual_only(calls: Sequence[Call], values: Sequence[Values]
 
 
 def gradient_inputs(seed: int) -> tuple[Call, ...]:
-    """Return evaluation points on a circle, the same with an affine field added, and in space."""
+    """Return evaluation points on a circle, with an affine field added, in space, and both in
+    another unit.
+    """
     random = np.random.default_rng(seed)
     p, v = random.random((20, 2)), random.normal(size=20)
+    space, data, y = random.random((25, 3)), random.normal(size=25), random.random((3, 3))
     circle = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
     x = 0.5 + 0.1 * np.column_stack([circle.real, circle.imag])
     slopes = np.array([1.5, -2.0])
     return calls_of(
         "gradient",
-        ((p, v, x, 0.3), "places on a circle"),
+        ((p, v, x, 0.3), "evaluation points on a circle"),
         ((p, v + affine(p, slopes), x, 0.3), "the same values plus those of an affine field"),
+        ((space, data, y, 0.5), "twenty-five points in space"),
+        ((UNIT * p, v, UNIT * x, UNIT * 0.3), "the points on a circle, all lengths a thousandth"),
         (
-            (random.random((25, 3)), random.normal(size=25), random.random((3, 3)), 0.5),
-            "twenty-five points in space",
+            (UNIT * space, data, UNIT * y, UNIT * 0.5),
+            "the points in space, all lengths a thousandth",
         ),
     )
 
 
+UNIT = 1e-3
 CIRCLE = 24
 """The number of points on the circle for which the sum along it equals the integral."""
 
 
 @law(
-    "Once round a circle the field is what it was, so the slopes along the way must "
-    "add up to zero. Where they do not, no field has this gradient.",
+    "The gradient must have no circulation: its components along a closed circle must add up to "
+    "zero.",
     LOCAL,
 )
 def has_zero_circulation(calls: Sequence[Call], values: Sequence[Values]) -> float:
@@ -237,7 +240,13 @@ def has_zero_circulation(calls: Sequence[Call], values: Sequence[Values]) -> flo
     return float(abs(along.sum()) / max(np.abs(g).max() * 0.1 * CIRCLE, EPS))
 
 
-@law("Adding an affine field to the values must add its slope to the gradient.", LOCAL)
+@law("Where all lengths are a thousandth, the gradient must be a thousand times as large.", LOCAL)
+def is_per_unit_of_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    pairs = ((values[3][0], values[0][0]), (values[4][0], values[2][0]))
+    return max(relative(UNIT * small - large, large) for small, large in pairs)
+
+
+@law("Adding an affine field to the values must add its slopes to the gradient.", LOCAL)
 def adds_the_slope_of_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(
         values[1][0] - values[0][0] - np.array([1.5, -2.0]), np.abs(values[1][0]).max() + 1
@@ -253,18 +262,18 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
     points, places = random.random((100, 2)), random.random((10, 2))
     return calls_of(
         "errors",
-        ((points, places, 2, 0.1), "a hundred points, ten places and n = 2"),
-        ((2 * points, 2 * places, 2, 0.2), "points and places twice as far apart"),
+        ((points, places, 2, 0.1), "a hundred points, ten evaluation points and n = 2"),
+        ((2 * points, 2 * places, 2, 0.2), "all points twice as far apart"),
         ((points, places, 3, 0.05), "n = 3"),
         (
             (points[:30], random.random((25, 2)), 5, 0.3),
-            "thirty points, twenty-five places and n = 5",
+            "thirty points, twenty-five evaluation points and n = 5",
         ),
     )
 
 
 @law(
-    "In a square twice as large (x₁ + x₂)² is four times as large, and so must both errors be.",
+    "In a square twice as large (x₁ + x₂)² is four times as large, so both errors must be, too.",
     LOCAL,
 )
 def grows_with_the_field(calls: Sequence[Call], values: Sequence[Values]) -> float:
@@ -297,8 +306,8 @@ def leave_one_out_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law(
-    "Raising a value by one must raise its own error by one: the field that it is "
-    "compared with has not seen it.",
+    "Raising a value by one must raise its own error by one, since the field that predicts it "
+    "does not use it.",
     LOCAL,
 )
 def has_not_seen_the_value(calls: Sequence[Call], values: Sequence[Values]) -> float:
@@ -306,7 +315,9 @@ def has_not_seen_the_value(calls: Sequence[Call], values: Sequence[Values]) -> f
 
 
 @law(
-    "An affine field is reproduced by any of the others, so adding it must change no error.", LOCAL
+    "Adding an affine field to the values must change no error, since the other points reproduce "
+    "it.",
+    LOCAL,
 )
 def affine_fields_leave_no_error(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0], np.abs(values[0][0]).max() + 1)
@@ -363,7 +374,7 @@ QUESTIONS = (
         4,
         gradient_inputs,
         lambda call: (call.arguments[2].shape,),
-        (has_zero_circulation, adds_the_slope_of_affine_fields),
+        (has_zero_circulation, adds_the_slope_of_affine_fields, is_per_unit_of_length),
         lambda call: 10 * local_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
     ),
     Question(

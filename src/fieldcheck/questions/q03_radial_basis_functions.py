@@ -27,6 +27,12 @@ def cloud(random: np.random.Generator, n: int, d: int) -> np.ndarray:
     return (corners + random.uniform(0.2, 0.8, (n, d))) / side
 
 
+def lattice(random: np.random.Generator, *counts: int) -> np.ndarray:
+    """Return the points of a lattice: many of them share a coordinate."""
+    axes = (np.cumsum(random.uniform(0.2, 0.6, count)) for count in counts)
+    return np.stack([x.ravel() for x in np.meshgrid(*axes)], axis=1)
+
+
 def squares(x: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Return the squared distances of evaluation points and sites, coordinate by coordinate."""
     parts = (np.subtract.outer(a, b) ** 2 for a, b in zip(x.T, points.T, strict=True))
@@ -54,19 +60,24 @@ def kernel_inputs(seed: int) -> tuple[Call, ...]:
     """Return short, long and zero vectors of several dimensions, and an array of vectors."""
     random = np.random.default_rng(seed)
     plane = random.normal(size=(7, 2))
-    plane[2] = 0
+    plane[2] = plane[4, 0] = plane[5, 1] = 0
     table = random.normal(size=(4, 3, 2))
-    table[1, 1] = table[3, 0] = 0
+    table[1, 1] = table[3, 0] = table[0, 2, 1] = 0
     space = random.normal(size=(6, 3)) * np.array([[0.01, 0.1, 1, 2, 5, 30]]).T
+    space[3, 1] = 0
     return calls_of(
         "kernel",
-        ((plane,), "seven vectors of the plane, one of them zero"),
+        ((plane,), "seven vectors of the plane, one zero and two along an axis"),
         ((space,), "six vectors in space, short and long"),
         ((table,), "a table of four times three vectors of the plane"),
+        ((1e-5 * random.normal(size=(4, 2)),), "four vectors of the plane of length 10⁻⁵"),
+        ((1e-7 * random.normal(size=(3, 3)),), "three vectors in space of length 10⁻⁷"),
+        ((1e-11 * random.normal(size=(4, 2)),), "four vectors of the plane of length 10⁻¹¹"),
+        ((2e-11 * random.normal(size=(3, 3)),), "three vectors in space of length 2·10⁻¹¹"),
     )
 
 
-@law_of_each("By (3.1) the quotient of w(y) and |y|² is the logarithm of |y|², and w(0) = 0.")
+@law_of_each("The quotient of w(y) and |y|² must be the logarithm of |y|², and w(0) must be 0.")
 def quotient_is_a_logarithm(call: Call, values: Values) -> float:
     """Return the deviation of exp(w / s) from s, and of w from zero where s is zero."""
     (w,) = values
@@ -88,7 +99,14 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
         (8, 3, "eight points in space"),
         (3, 2, "three points in the plane"),
     )
-    return tuple(Call("system_matrix", (cloud(random, n, d),), case) for n, d, case in sizes)
+    lattices = (
+        (lattice(random, 3, 2), "six points of a lattice in the plane"),
+        (lattice(random, 2, 2, 2), "eight points of a lattice in space"),
+    )
+    return (
+        *(Call("system_matrix", (cloud(random, n, d),), case) for n, d, case in sizes),
+        *(Call("system_matrix", (points,), case, exact=(0,)) for points, case in lattices),
+    )
 
 
 def matrix_shape(call: Call) -> tuple[tuple[int, ...], ...]:
@@ -102,8 +120,8 @@ def is_symmetric(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 @law_of_each(
-    "The matrix times λ and c must be the values of that field at the points, and "
-    "below them the sums of (3.4)."
+    "The matrix times (λ, c) must be the values of the field at the points, and below them the "
+    "sums of (3.4)."
 )
 def maps_coefficients_to_data(call: Call, values: Values) -> float:
     """Return the deviation of H (λ, c) from the values of the field and from the moments of λ."""
@@ -138,7 +156,7 @@ def coefficients_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((n,), (d + 1,))
 
 
-@law_of_each("With these coefficients the field must go through the values.")
+@law_of_each("With these coefficients the field must interpolate the values.")
 def interpolates_the_values(call: Call, values: Values) -> float:
     """Return the deviation of the field from the values at the points."""
     (lam, c) = values
@@ -147,7 +165,7 @@ def interpolates_the_values(call: Call, values: Values) -> float:
 
 
 @law_of_each(
-    "The λ must satisfy the orthogonality constraints: they sum to zero, also when "
+    "The λ must satisfy the orthogonality constraints: their sum must be zero, also when "
     "weighted by a coordinate."
 )
 def has_no_moments(call: Call, values: Values) -> float:
@@ -164,31 +182,50 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
     """Return coefficients and evaluation points, some of which are sites."""
     random = np.random.default_rng(seed)
     cases = (
-        (8, 2, 5, "places in the plane, two of them data points"),
-        (6, 3, 4, "places in space, two of them data points"),
+        (8, 2, 5, "points in the plane, two of them centres"),
+        (6, 3, 4, "points in space, two of them centres"),
     )
     calls = []
     for n, d, m, case in cases:
         points = cloud(random, n, d)
         x = np.concatenate([random.uniform(-1, 2, (m, d)), points[1:3]])
+        x[0, 0], x[1, -1] = points[0, 0], points[3, -1]
         calls.append(
             Call(name, (points, random.normal(size=n), random.normal(size=d + 1), x), case, (0, 3))
         )
     return tuple(calls)
 
 
-@law("The field is an affine function and one bump for each point.")
+@law("The field must be an affine function plus λ_j times the kernel at each centre.")
 def is_a_sum_of_basis_functions(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the values from those of the field."""
     return max(relative(v - field(*c.arguments), v) for c, (v,) in zip(calls, values, strict=True))
 
 
-@law("A gradient foretells how the field changes over a small step.", 1e-5)
+UNIT = 1e-3
+
+
+def gradient_inputs(seed: int) -> tuple[Call, ...]:
+    """Return the inputs of the field, and the same fields with all lengths in another unit."""
+    calls = field_inputs("gradient", seed)
+    scaled = []
+    for call in calls:
+        points, lam, c, x = call.arguments
+        slopes = np.append(c[:1], c[1:] / UNIT)
+        case = call.case + ", all lengths a thousandth"
+        scaled.append(
+            Call("gradient", (UNIT * points, lam / UNIT**2, slopes, UNIT * x), case, (0, 3))
+        )
+    return (*calls, *scaled)
+
+
+@law("For a small step the change of the field must be the gradient times the step.", 1e-5)
 def agrees_with_central_differences(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest difference between the gradient and central differences."""
-    worst, h = 0.0, 1e-5
+    worst = 0.0
     for call, (g,) in zip(calls, values, strict=True):
         points, lam, c, x = call.arguments
+        h = 1e-5 * np.ptp(points)
         for k, e in enumerate(h * np.eye(x.shape[1])):
             change = (field(points, lam, c, x + e) - field(points, lam, c, x - e)) / (2 * h)
             worst = max(worst, relative(g[:, k] - change, g))
@@ -199,30 +236,34 @@ def agrees_with_central_differences(calls: Sequence[Call], values: Sequence[Valu
 
 
 def inertia_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in general position, on a line, with a repeated point, in small and large
-    boxes.
-    """
+    """Return points in general position, on a line, with a repeated point, in several units."""
     random = np.random.default_rng(seed)
     plane, space, twice = cloud(random, 9, 2), cloud(random, 8, 3), cloud(random, 6, 2)
     turn = random.uniform(0, np.pi)
     line = 10 * np.outer(cloud(random, 25, 1), [np.cos(turn), np.sin(turn)])
+    twice = np.concatenate([twice, twice[:1]])
+    cases = (
+        (plane, "nine points in the plane"),
+        (0.2 * space, "eight points in a small cube"),
+        (cloud(random, 4, 1), "four points on the line, in one dimension"),
+        (1e-3 * cloud(random, 9, 2), "nine points in a square of 0.001"),
+        (2e-5 * cloud(random, 8, 2), "eight points in a square of 0.00002"),
+        (1.2e-5 * cloud(random, 8, 3), "eight points in a cube of 0.000012"),
+    )
+    exact = (
+        (line, "twenty-five points on one line of the plane"),
+        (twice, "seven points of which two are the same"),
+        (100 * twice, "seven points in a square of 100, of which two are the same"),
+    )
     return (
-        Call("inertia", (plane,), "nine points in the plane"),
-        Call("inertia", (0.2 * space,), "eight points in a small cube"),
-        Call("inertia", (line,), "twenty-five points on one line of the plane", exact=(0,)),
-        Call(
-            "inertia",
-            (np.concatenate([twice, twice[:1]]),),
-            "seven points of which two are the same",
-            exact=(0,),
-        ),
-        Call("inertia", (cloud(random, 4, 1),), "four points on the line, in one dimension"),
+        *(Call("inertia", (points,), case) for points, case in cases),
+        *(Call("inertia", (points,), case, exact=(0,)) for points, case in exact),
     )
 
 
 @law(
-    "The three numbers add up to the rows of the matrix; and since its diagonal is "
-    "zero, so is the sum of the eigenvalues, and both signs occur."
+    "The three numbers must add up to the number of rows. Since the diagonal is zero, the sum of "
+    "the eigenvalues is zero, so both signs must occur."
 )
 def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the number of eigenvalues that are not counted, or one if a sign is missing."""
@@ -234,8 +275,8 @@ def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -
 
 
 @law_of_each(
-    "An eigenvalue is zero for each affine field that vanishes at all points, and for "
-    "each point that comes a second time: then the solution is not unique."
+    "There must be one zero eigenvalue for each independent affine field that vanishes at all "
+    "points, and one for each point that occurs a second time."
 )
 def is_singular_where_it_must(call: Call, values: Values) -> float:
     """Return the difference between the number of zeros and the dimension of the null space."""
@@ -260,13 +301,13 @@ def energy_inputs(seed: int) -> tuple[Call, ...]:
         ((points, values), "ten points with random values"),
         ((points, values + tilt), "the same with an affine field added"),
         ((points, 3 * values), "values three times as large"),
-        ((turned, values), "points twice as far apart, and turned"),
+        ((turned, values), "points twice as far apart, and rotated"),
     )
 
 
 @law(
-    "An affine field does not bend, and adds nothing to the energy; three times the "
-    "values have nine times the energy; a sheet twice as wide has a quarter of it."
+    "Adding an affine field must not change the energy. Three times the values must have nine "
+    "times the energy. Points twice as far apart must have a quarter of it."
 )
 def has_the_bending_energy(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the energies from e, e, 9e and e/4."""
@@ -289,7 +330,10 @@ QUESTIONS = (
         3,
         matrix_inputs,
         matrix_shape,
-        (Law("The matrix of (3.5) is its own transpose.", is_symmetric), maps_coefficients_to_data),
+        (
+            Law("The matrix of (3.5) must be its own transpose.", is_symmetric),
+            maps_coefficients_to_data,
+        ),
     ),
     Question(
         "03.3",
@@ -319,7 +363,7 @@ QUESTIONS = (
         "03.6",
         "gradient",
         3,
-        lambda seed: field_inputs("gradient", seed),
+        gradient_inputs,
         lambda call: (call.arguments[3].shape,),
         (agrees_with_central_differences,),
     ),

@@ -130,8 +130,8 @@ def edge_data(
 
 
 @law(
-    "From the one end to the midpoint it must be as far, and the same way, as from "
-    "there to the other end."
+    "The vector from the first end to the midpoint must equal the vector from the midpoint to "
+    "the second end."
 )
 def halfway(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return max(relative((p - a) - (b - p), b - a) for a, b, p, _ in edge_data(calls, values))
@@ -165,8 +165,8 @@ def rotation_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law_of_each(
-    "In a rotation the distance of two points must not change: the difference of their "
-    "velocities is perpendicular to the line between them."
+    "In a rotation distances do not change: the difference of two velocities must be "
+    "perpendicular to the line between the points."
 )
 def stays_rigid(call: Call, values: Values) -> float:
     """Return how fast distances between points change."""
@@ -227,12 +227,15 @@ def ring_inputs(seed: int) -> tuple[Call, ...]:
     count = np.bincount(triangles.ravel())
     new = neighbour_of_valence_three(triangles)
     lonely = int(count.argmin())
+    others = mesh(random, 5, 3)[1]
+    inside = neighbour_of_valence_three(others)
     return calls_of(
         "ring",
         ((triangles, edges, new, 1), "one ring of a vertex inside"),
         ((triangles, edges, new, 2), "two rings of a vertex inside"),
         ((triangles, edges, lonely, 1), "one ring of a corner"),
         ((triangles, edges, lonely, 3), "three rings of a corner"),
+        ((others, sides(others, random), inside, 1), "one ring in another mesh"),
     )
 
 
@@ -256,7 +259,7 @@ def holds_the_spokes(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 @law_of_each(
-    "The edges are those of whole triangles, so at each end of one of them another must end."
+    "The edges must be those of whole triangles, so each vertex must have none or at least two."
 )
 def made_of_triangles(call: Call, values: Values) -> float:
     """Return the share of ends of selected edges at which no other selected edge ends."""
@@ -265,7 +268,7 @@ def made_of_triangles(call: Call, values: Values) -> float:
     return float(np.mean(ends[ends > 0] < 2)) if ends.any() else 1.0
 
 
-@law("More rings must keep all edges of fewer, and add some.")
+@law("A further ring must keep all edges of the rings before, and add some.")
 def grows(calls: Sequence[Call], values: Sequence[Values]) -> float:
     lost = [(values[k][0] > values[k + 1][0]).mean() for k in (0, 2)]
     gained = [(values[k + 1][0] > values[k][0]).mean() for k in (0, 2)]
@@ -341,8 +344,8 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law(
-    "An affine field is one of those that are fitted: adding its normal velocities to "
-    "the data must add its value at the vertex.",
+    "Adding the normal velocities of an affine field to the data must add the value of this field "
+    "at the vertex.",
     FITTED,
 )
 def reproduces_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
@@ -363,36 +366,57 @@ def side_of_the_normal(calls: Sequence[Call], values: Sequence[Values]) -> float
 # 05.9 The ranks
 
 
+def grid_of_squares(rows: int, columns: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return points and triangles of a regular grid with alternating diagonals.
+
+    At some vertices more points than six lie on one conic.
+    """
+    number = np.arange((rows + 1) * (columns + 1)).reshape(rows + 1, columns + 1)
+    points = np.stack(np.divmod(number.ravel(), columns + 1), axis=1).astype(float)
+    cells = []
+    for r, c in np.ndindex(rows, columns):
+        a, b, d, e = number[r : r + 2, c : c + 2].ravel()
+        cells += [[a, b, d], [e, d, b]] if (r + c) % 2 else [[a, b, e], [a, e, d]]
+    return points, np.array(cells)
+
+
 def ranks_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a mesh with one and two rings, far from the origin, and in small units."""
+    """Return a mesh with one and two rings, far from the origin, in small units; regular grids."""
     random = np.random.default_rng(seed)
     points, triangles = mesh(random, 4, 4)
-    return calls_of(
-        "ranks",
-        ((points, triangles, 1), "one ring"),
-        ((points, triangles, 2), "two rings"),
-        ((points + 1000.0, triangles, 1), "the same mesh far from the origin"),
-        ((1e-7 * points, triangles, 1), "the same mesh in another unit of length"),
+    regular, squares = grid_of_squares(4, 4)
+    longer, oblong = grid_of_squares(3, 5)
+    return (
+        *calls_of(
+            "ranks",
+            ((points, triangles, 1), "one ring"),
+            ((points, triangles, 2), "two rings"),
+            ((points + 1e6, triangles, 1), "the same mesh, 10⁶ away"),
+            ((1e-7 * points, triangles, 1), "the same mesh in a square of 10⁻⁷"),
+            ((1e-8 * points, triangles, 2), "two rings of the same mesh in a square of 10⁻⁸"),
+        ),
+        Call("ranks", (regular, squares, 1), "a regular grid of four by four squares", (0,)),
+        Call("ranks", (longer - 1e6, oblong, 1), "a regular grid of three by five squares", (0,)),
+        Call("ranks", (longer, oblong, 2), "two rings of a regular grid", (0,)),
     )
 
 
 @law(
-    "A ring has three edges at least, of one triangle, and Bʹ has six columns: the "
-    "rank must lie between three and six."
+    "The rank must be between three and six: a ring has at least the three edges of a triangle, "
+    "and Bʹ has six columns."
 )
 def rank_between(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(max(np.any((r < 3) | (r > 6)) for (r,) in values))
 
 
 @law(
-    "A rank must depend on the shape of the mesh only, not on where it lies nor on "
-    "the unit of length."
+    "The rank must depend only on the shape of the mesh, not on its position or the unit of length."
 )
 def rank_of_the_shape(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(max(np.abs(values[k][0] - values[0][0]).max() for k in (2, 3)))
 
 
-@law("A second ring only adds edges: no rank may fall, and some must grow.")
+@law("A second ring adds edges, so no rank may decrease, and some must increase.")
 def rank_grows(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(max(np.any(values[1][0] < values[0][0]), np.all(values[1][0] == values[0][0])))
 

@@ -7,13 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Question, law, law_of_each, relative
+from fieldcheck.question import LEAST_TOLERANCE, Question, law, law_of_each, relative
 from fieldcheck.questions.q05_vertex_velocities import directions, mesh
 
-FAR = 1e6
-"""At this distance from the origin, squared coordinates have few digits left for a triangle."""
-DIGITS_FAR_AWAY = 1e-7
+FAR = 1e7
+"""At this distance from the origin, squared coordinates have no digits left for a triangle."""
+DIGITS_FAR_AWAY = 1e-6
 """Tolerance for rounded corners at this distance; squared coordinates have far larger errors."""
+STORED_DIGITS_FAR_AWAY = 1e-4
+"""Tolerance for right values at this distance, which are stored with twelve digits."""
 
 LEAST_DEFECT = 0.01
 """For normal velocities of size one; a smaller defect would have fewer than twelve digits."""
@@ -32,6 +34,12 @@ def obtuse(random: np.random.Generator) -> np.ndarray:
     return 0.6 * corners
 
 
+def along_the_axes(random: np.random.Generator) -> np.ndarray:
+    """Return a triangle with a horizontal and a vertical side, listed clockwise."""
+    corner, width, height = random.normal(size=2), *random.uniform(0.5, 1.5, 2)
+    return corner + np.array([[0.0, 0.0], [0.0, height], [width, 0.0]])
+
+
 def cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     """Return the signed areas of parallelograms."""
     return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
@@ -46,8 +54,10 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     return calls_of(
         "outward_normals",
         ((triangle(random, True, 3.0),), "a triangle, anticlockwise"),
-        ((triangle(random, False, 0.5),), "a smaller one, clockwise"),
+        ((triangle(random, False, 0.5),), "a smaller triangle, clockwise"),
         ((obtuse(random),), "an obtuse triangle"),
+        ((along_the_axes(random),), "a triangle with two sides along the axes"),
+        ((1e-9 * triangle(random, False),), "a triangle of the size 10⁻⁹, clockwise"),
     )
 
 
@@ -70,8 +80,8 @@ def across_the_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 @law(
-    "An outward normal must point away from the opposite corner, whichever way round "
-    "the corners are listed."
+    "An outward normal must point away from the opposite corner, for corners listed clockwise "
+    "and anticlockwise."
 )
 def leave_the_triangle(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return 1 if a normal points towards the opposite corner."""
@@ -103,10 +113,11 @@ def velocity_inputs(name: str, seed: int) -> tuple[Call, ...]:
     return calls_of(
         name,
         ((q, v), "normal velocities at random"),
-        ((q, v + projections(q)), "the same plus those of the velocity (2, −1)"),
-        ((q, -2 * v), "the same times minus two"),
+        ((q, v + projections(q)), "the same data plus those of the velocity (2, −1)"),
+        ((q, -2 * v), "minus two times the first data"),
         ((wide, normal_velocities(random, wide)), "an obtuse triangle"),
         ((small, normal_velocities(random, small)), "a small triangle, clockwise"),
+        ((1e-9 * small, normal_velocities(random, small)), "a triangle of the size 10⁻⁹"),
     )
 
 
@@ -120,8 +131,8 @@ def projections(q: np.ndarray) -> np.ndarray:
 
 
 @law(
-    "A constant velocity satisfies all three equations: adding its normal velocities "
-    "to the data must add it to the result."
+    "Adding the normal velocities of a constant velocity to the data must add this velocity to "
+    "the result."
 )
 def constant_velocity_is_reproduced(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[1][0] - values[0][0] - WIND, np.abs(values[1][0]).max() + 2)
@@ -132,15 +143,12 @@ def is_linear(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] + 2 * values[0][0], values[2][0])
 
 
-@law(
-    "A constant velocity explains its own normal velocities: adding them must not "
-    "change the defect."
-)
+@law("Adding the normal velocities of a constant velocity to the data must not change the defect.")
 def constant_velocity_has_no_defect(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return float(abs(values[1][0] - values[0][0]))
 
 
-@law("The defect is a length: minus two times the data must have twice the defect.")
+@law("Minus two times the data must have twice the defect, since the defect is a length.")
 def grows_with_the_data(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - 2 * values[0][0], values[2][0])
 
@@ -148,8 +156,19 @@ def grows_with_the_data(calls: Sequence[Call], values: Sequence[Values]) -> floa
 # 06.4 The circumcentre
 
 
+def tolerance_far_away(call: Call) -> float:
+    """Return the tolerance of a circumcentre relative to its triangle."""
+    return STORED_DIGITS_FAR_AWAY if np.max(np.abs(call.arguments)) > FAR / 2 else LEAST_TOLERANCE
+
+
+def relative_to_a_corner(call: Call, values: Values) -> Values:
+    """Return the position relative to the first corner, so that errors far away are visible."""
+    corners = np.concatenate([np.atleast_2d(a) for a in call.arguments])
+    return (values[0] - corners[0],)
+
+
 def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a triangle, an obtuse one, the first one inverted and far away, and a small one."""
+    """Return triangles near the origin and far away, among them obtuse and small ones."""
     random = np.random.default_rng(seed)
     q = triangle(random, True)
     return calls_of(
@@ -157,13 +176,15 @@ def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
         ((q,), "a triangle"),
         ((obtuse(random),), "an obtuse triangle"),
         ((q + FAR,), "the first triangle, far from the origin"),
+        ((obtuse(random) - FAR,), "an obtuse triangle, far from the origin"),
         ((triangle(random, False, 1e-3),), "a small triangle, clockwise"),
+        ((along_the_axes(random),), "a triangle with two sides along the axes"),
     )
 
 
 @law_of_each(
-    "The circumcentre is equally far from all corners. If this fails only far from "
-    "the origin, digits were lost in squares of large coordinates.",
+    "The circumcentre must be equally far from all corners. If this fails only far from the "
+    "origin, squares of large coordinates have lost digits.",
     DIGITS_FAR_AWAY,
 )
 def equally_far(call: Call, values: Values) -> float:
@@ -181,28 +202,29 @@ def moves_along(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def truth_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points with and without expansion, all translated, and the centre itself."""
+    """Return points with and without contraction, all translated, the centre, and expansion."""
     random = np.random.default_rng(seed)
     x, m, shift = random.uniform(-1, 2, (6, 2)), random.random(2), np.array([3.0, -5.0])
     return calls_of(
         "truth",
-        ((x, m, 0.7), "six places, s = 0.7"),
-        ((x, m, 0.0), "the same places, s = 0"),
-        ((x + shift, m + shift, 0.7), "places and centre moved"),
+        ((x, m, -0.7), "six points, s = −0.7"),
+        ((x, m, 0.0), "the same points, s = 0"),
+        ((x + shift, m + shift, -0.7), "points and centre moved, s = −0.7"),
         ((m + 0 * x[:2], m, 1.3), "the centre itself"),
+        ((x[:4], m, 0.9), "four points, s = 0.9"),
     )
 
 
 @law(
-    "For s = 0 distances must not change: the difference of two velocities is "
-    "perpendicular to the line between the places."
+    "For s = 0 the difference of two velocities must be perpendicular to the line between the two "
+    "points, since distances do not change."
 )
 def turns_rigidly(calls: Sequence[Call], values: Sequence[Values]) -> float:
     way, change = np.diff(calls[1].arguments[0], axis=0), np.diff(values[1][0], axis=0)
     return relative(np.einsum("xk,xk->x", way, change), way**2)
 
 
-@law("With s the distance of two places must grow at the rate s.")
+@law("The distance between two points must grow at the rate s, and shrink if s is negative.")
 def expands(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the radial component from s times the squared distance."""
     x, _, s = calls[0].arguments
@@ -210,7 +232,7 @@ def expands(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(np.einsum("xk,xk->x", way, change - s * way), way**2)
 
 
-@law("Only the way from the centre counts: moving places and centre together must change nothing.")
+@law("Moving the points and the centre together must not change the velocities.")
 def depends_on_the_distance_from_the_centre_only(
     calls: Sequence[Call], values: Sequence[Values]
 ) -> float:
@@ -227,18 +249,18 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
     return calls_of(
         "errors",
         ((points, triangles, 0.0), "a rotation, s = 0"),
-        ((2 * points, triangles, 0.0), "the same on a mesh twice as large"),
-        ((points, triangles, 0.8), "with expansion, s = 0.8"),
+        ((2 * points, triangles, 0.0), "the same rotation on a mesh twice as large"),
+        ((points, triangles, 0.8), "an expansion, s = 0.8"),
         ((triangle(random, True), np.array([[2, 0, 1]]), -0.5), "a single triangle, s = −0.5"),
     )
 
 
-@law("For a rotation there must be no error at the circumcentres.")
+@law("For a rotation the error at the circumcentres must be zero.")
 def exact_at_the_circumcentre(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[0][0][0], values[0][0][1:])
 
 
-@law("On a mesh twice as large all velocities are twice as large, and so must be the errors.")
+@law("On a mesh twice as large the errors must be twice as large, as all velocities are.")
 def grows_with_the_mesh(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[1][0] - 2 * values[0][0], values[1][0])
 
@@ -254,9 +276,9 @@ def raviart_thomas_inputs(seed: int) -> tuple[Call, ...]:
     on = [q[1] + t * (q[2] - q[1]) for t in part]
     return calls_of(
         "raviart_thomas",
-        ((q, v, on[0]), "a place on the first side"),
-        ((q, v, on[1]), "another place on the same side"),
-        ((q, v, random.dirichlet((3, 3, 3)) @ q), "a place inside"),
+        ((q, v, on[0]), "a point on the first side"),
+        ((q, v, on[1]), "another point on the same side"),
+        ((q, v, random.dirichlet((3, 3, 3)) @ q), "a point inside"),
         ((obtuse(random), random.normal(size=3), random.random(2)), "an obtuse triangle"),
         (
             (triangle(random, False, 0.4), random.normal(size=3), random.random(2)),
@@ -265,12 +287,12 @@ def raviart_thomas_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("All over a side the field must cross it at the given normal velocity.")
+@law("At every point of a side the normal velocity must be the given one.")
 def crosses_the_side_as_given(calls: Sequence[Call], values: Sequence[Values]) -> float:
     q, v, _ = calls[0].arguments
     along = q[2] - q[1]
-    told = [cross(w, along) / np.hypot(*along) for (w,) in values[:2]]
-    return relative(np.array(told) - v[0], v)
+    found = [cross(w, along) / np.hypot(*along) for (w,) in values[:2]]
+    return relative(np.array(found) - v[0], v)
 
 
 QUESTIONS = (
@@ -305,6 +327,8 @@ QUESTIONS = (
         circumcentre_inputs,
         lambda _: ((2,),),
         (equally_far, moves_along),
+        tolerance_far_away,
+        relative_to_a_corner,
     ),
     Question(
         "06.5",

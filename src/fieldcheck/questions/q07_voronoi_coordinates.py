@@ -12,6 +12,12 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Law, Question, law, law_of_each, relative
+from fieldcheck.questions.q06_cell_velocities import (
+    DIGITS_FAR_AWAY,
+    FAR,
+    relative_to_a_corner,
+    tolerance_far_away,
+)
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray]
 SLOPES = np.array([2.0, -1.0])
@@ -51,12 +57,31 @@ def point_for_weights(
     """Return a point well inside a cell, from which no direction to a corner is perpendicular to a
     spoke. An answer that multiplies the two would otherwise divide by a rounding error.
     """
-    spokes = (rim - center) / np.linalg.norm(rim - center, axis=1, keepdims=True)
     while True:
         (x,) = points_inside(random, center, corners, 1)
-        ways = (corners - x) / np.linalg.norm(corners - x, axis=1, keepdims=True)
-        if np.abs(ways @ spokes.T).min() > LEAST_COSINE:
+        if least_cosine(x, center, rim, corners) > LEAST_COSINE:
             return x
+
+
+def points_outside(center: np.ndarray, corners: np.ndarray, far: float = 1.15) -> np.ndarray:
+    """Return one point just outside each edge of a cell, beyond the middle of the edge."""
+    middles = 0.5 * corners + 0.5 * np.array([*corners[1:], corners[0]])
+    return center + far * (middles - center)
+
+
+def point_outside(center: np.ndarray, rim: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Return a point just outside a cell, from which no direction to a corner is perpendicular to a
+    spoke; see `point_for_weights`.
+    """
+    tried = np.concatenate([points_outside(center, corners, far) for far in (1.12, 1.15, 1.18)])
+    return max(tried, key=lambda x: least_cosine(x, center, rim, corners))
+
+
+def least_cosine(x: np.ndarray, center: np.ndarray, rim: np.ndarray, corners: np.ndarray) -> float:
+    """Return the least absolute cosine of the angles between spokes and directions to corners."""
+    spokes = (rim - center) / np.linalg.norm(rim - center, axis=1, keepdims=True)
+    ways = (corners - x) / np.linalg.norm(corners - x, axis=1, keepdims=True)
+    return float(np.abs(ways @ spokes.T).min())
 
 
 def on_edges(corners: np.ndarray) -> np.ndarray:
@@ -86,8 +111,8 @@ def hexagon_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law_of_each(
-    "All sides and spokes of a regular hexagon are as long as its radius, and it lies "
-    "evenly round its centre."
+    "All sides and spokes of a regular hexagon must be as long as its radius, and its corners must "
+    "be spread evenly around its centre."
 )
 def has_equal_sides(call: Call, values: Values) -> float:
     """Return the deviation of spokes and sides from the radius, and of their sum from zero."""
@@ -103,7 +128,7 @@ def has_equal_sides(call: Call, values: Values) -> float:
 
 
 def triangles(name: str, seed: int) -> tuple[Call, ...]:
-    """Return a triangle, the same with two corners exchanged, half of it, and an obtuse one."""
+    """Return a triangle, the same with two corners exchanged, half of it, and others."""
     random = np.random.default_rng(seed)
     a, b, c = (
         np.array([[0.0, 0.0], [2.0, 0.3], [0.7, 1.6]])
@@ -111,16 +136,31 @@ def triangles(name: str, seed: int) -> tuple[Call, ...]:
         + [1.5, -2.5]
     )
     far = a + (b - a) * 2.5 + 0.4 * (c - a)
+    upwards, sideways = np.array([[0.0, 1.5], [1.2, 0.0]])
     return calls_of(
         name,
         ((a, b, c), "a triangle"),
         ((a, c, b), "the same triangle, listed the other way round"),
         ((a, b, (b + c) / 2), "half of the triangle"),
-        ((a, b, far), "an obtuse triangle"),
+        ((b, a, far), "an obtuse triangle, clockwise"),
+        ((1e-9 * a, 1e-9 * c, 1e-9 * b), "a triangle of the size 10⁻⁹"),
+        ((a, a + upwards, a + sideways), "a triangle with two sides along the axes"),
     )
 
 
-@law_of_each("A circumcentre is equally far from all three corners.")
+def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
+    """Return the triangles, and two of them far from the origin."""
+    near = triangles("circumcenter", seed)
+    moved = (tuple(corner + FAR for corner in call.arguments) for call in (near[0], near[3]))
+    cases = ("the first triangle, far from the origin", "an obtuse triangle far from the origin")
+    return near + calls_of("circumcenter", *zip(moved, cases, strict=True))
+
+
+@law_of_each(
+    "A circumcentre must be equally far from all three corners. If this fails only far from the "
+    "origin, squares of large coordinates have lost digits.",
+    DIGITS_FAR_AWAY,
+)
 def is_equally_far(call: Call, values: Values) -> float:
     """Return the largest difference between the distances to the three corners."""
     (p,) = values
@@ -129,14 +169,15 @@ def is_equally_far(call: Call, values: Values) -> float:
 
 
 @law(
-    "An area is positive, does not depend on the order of the corners, and a line "
-    "from a corner to the middle of the other side cuts it in half."
+    "An area must be positive and must not depend on the order of the corners. A line from a "
+    "corner to the middle of the opposite side must cut it in half."
 )
 def halves_with_the_triangle(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the area under exchanged corners and halving, or from positive."""
-    whole, turned, half, other = (float(v) for (v,) in values)
+    each = [float(v) for (v,) in values]
+    whole, turned, half = each[:3]
     return max(
-        relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -whole, -other)
+        relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -min(each))
     )
 
 
@@ -144,7 +185,7 @@ def halves_with_the_triangle(_: Sequence[Call], values: Sequence[Values]) -> flo
 
 
 def weights_inputs(seed: int) -> tuple[Call, ...]:
-    """Return stars of six and five neighbours, one of them clockwise, and one at twice the size."""
+    """Return points in stars of six and five neighbours, at twice the size, and outside."""
     random = np.random.default_rng(seed)
     calls = []
     for n, clockwise, case in (
@@ -155,11 +196,17 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         x = point_for_weights(random, center, rim, corners)
         calls.append(Call("weights", (center, rim, corners, x), case))
     double = tuple(2 * part for part in calls[0].arguments)
-    return (*calls, Call("weights", double, "six neighbours, everything twice as large"))
+    calls.append(Call("weights", double, "six neighbours, everything twice as large"))
+    for n, clockwise in ((5, False), (6, True)):
+        center, rim, corners = star(random, n, clockwise)
+        x = point_outside(center, rim, corners)
+        case = f"a point outside the cell of {n} neighbours"
+        calls.append(Call("weights", (center, rim, corners, x), case))
+    return tuple(calls)
 
 
 @law_of_each(
-    "The weights pull the place towards the corners in such a way that it stays where it is."
+    "The vectors from the point to the corners, multiplied by the weights, must sum to zero."
 )
 def balances(call: Call, values: Values) -> float:
     """Return the weighted sum of the vectors to the corners, which must vanish."""
@@ -170,12 +217,12 @@ def balances(call: Call, values: Values) -> float:
 
 
 @law(
-    "If everything is twice as large, (7.5) has four times the area above and sixteen "
-    "times as much below: a quarter is left."
+    "If everything is twice as large, each weight must be a quarter: (7.5) has four times the area "
+    "above and sixteen times as much below."
 )
 def scales(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the weights from a quarter at twice the size."""
-    (here,), _other, (double,) = values
+    (here,), _other, (double,) = values[:3]
     return relative(4 * double - here, here)
 
 
@@ -183,13 +230,13 @@ def scales(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def coordinates_inputs(seed: int) -> tuple[Call, ...]:
-    """Return evaluation points in stars of six, three and seven neighbours."""
+    """Return evaluation points in stars of six, three and seven neighbours, and outside."""
     random = np.random.default_rng(seed)
     calls = []
     for n, m, clockwise, case in (
-        (6, 4, False, "four places among six neighbours"),
-        (3, 2, False, "two places among three neighbours"),
-        (7, 5, True, "five places among seven neighbours, listed clockwise"),
+        (6, 4, False, "four points in a cell of six neighbours"),
+        (3, 2, False, "two points in a cell of three neighbours"),
+        (7, 5, True, "five points in a cell of seven neighbours, listed clockwise"),
     ):
         center, rim, corners = star(random, n, clockwise)
         calls.append(
@@ -199,6 +246,10 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
                 case,
             )
         )
+    for n, case in ((5, "points outside a cell"), (6, "points outside another cell")):
+        center, rim, corners = star(random, n)
+        x = [point_outside(center, rim, corners), *points_inside(random, center, corners, 2)]
+        calls.append(Call("coordinates", (center, rim, corners, np.array(x)), case))
     return tuple(calls)
 
 
@@ -207,7 +258,7 @@ def sums_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
     return max(float(np.abs(omega.sum(axis=1) - 1).max()) for (omega,) in values)
 
 
-@law("The mean of the corners with these weights is the place itself.")
+@law("The mean of the corners with these weights must be the point itself.")
 def reproduces_positions(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the weighted means of the corners from the evaluation points."""
     return max(
@@ -219,10 +270,21 @@ def reproduces_positions(calls: Sequence[Call], values: Sequence[Values]) -> flo
 # 07.6 The spiral
 
 
+def uneven_cell(
+    random: np.random.Generator, n: int, clockwise: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return a vertex and the corners of its cell, the first edge neither nearest nor farthest."""
+    center, _, corners = star(random, n, clockwise)
+    middles = corners + np.array([*corners[1:], corners[0]]) - 2 * center
+    first = int(np.argsort(np.hypot(*middles.T))[n // 2])
+    return center, np.roll(corners, -first, axis=0)
+
+
 def spiral_inputs(seed: int) -> tuple[Call, ...]:
-    """Return an irregular cell and a hexagon."""
+    """Return an irregular cell, a hexagon and an irregular pentagon, listed clockwise."""
     random = np.random.default_rng(seed)
-    center, _, corners = star(random, 6)
+    center, corners = uneven_cell(random, 6, False)
+    other, five = uneven_cell(random, 5, True)
     turns = np.exp(1j * (random.uniform(0, 1) + np.pi * np.arange(6) / 3))
     middle = random.normal(size=2)
     regular = middle + 0.7 * np.column_stack([turns.real, turns.imag])
@@ -230,12 +292,14 @@ def spiral_inputs(seed: int) -> tuple[Call, ...]:
         "spiral",
         ((center, corners, 12), "twelve points in an uneven cell"),
         ((middle, regular, 50), "fifty points in a regular hexagon"),
+        ((other, five, 7), "seven points in an uneven pentagon"),
     )
 
 
 @law_of_each(
-    "Seen from the centre, n times the way to the nth point goes round once with "
-    "steps of one angle, at one distance, and ends to the right."
+    "The vectors from the centre to the points, the nth multiplied by n, must have one length. "
+    "Each must be turned anticlockwise from the one before by 2π/N, and the last must point to the "
+    "right."
 )
 def winds_inwards(call: Call, values: Values) -> float:
     """Return the deviation of n (s_n − x_i) from one revolution of constant radius that ends on the
@@ -267,13 +331,13 @@ def interpolate_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
-@law("A constant comes back.")
+@law("A constant field must be reproduced.")
 def reproduces_constants(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the first field from three."""
     return relative(values[0][0] - 3.0, 3.0)
 
 
-@law("A linear field comes back.")
+@law("A linear field must be reproduced.")
 def reproduces_linear_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the second field from the linear field."""
     return relative(values[1][0] - 1.0 - calls[1].arguments[4] @ SLOPES, calls[1].arguments[3])
@@ -284,7 +348,7 @@ def per_point(call: Call, x: int) -> tuple[tuple[int, ...], ...]:
 
 
 ONE = Law(
-    "Coordinates have the sum one at every place, so that a constant comes back.", sums_to_one
+    "The coordinates of a point must sum to one, so that a constant is reproduced.", sums_to_one
 )
 
 
@@ -303,11 +367,10 @@ def octagon(random: np.random.Generator) -> np.ndarray:
 
 
 def safe_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points inside, the same after a quarter turn, and points on the edges of a square
-    cell.
+    """Return points inside, the same after a quarter turn, on edges and corners, and outside.
 
     The square has sides and corners that are exact in floating-point numbers, so that a quotient is
-    zero by zero there on every machine.
+    zero by zero there on every machine, in every unit that is a power of two.
     """
     random = np.random.default_rng(seed)
     center, rim, corners = star(random, 6)
@@ -317,37 +380,54 @@ def safe_inputs(seed: int) -> tuple[Call, ...]:
     side = 2.0 ** int(random.integers(-2, 3))
     middle = side * random.integers(-9, 9, 2).astype(float)
     square = middle + side * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+    on_square = (middle, mirror_images(middle, square), np.concatenate([on_edges(square), square]))
+    tiny = tuple(2.0**-30 * part for part in on_square)
     name = "safe_coordinates"
     return (
-        Call(name, (center, rim, x), "four places inside a cell"),
-        Call(name, (center @ quarter, rim @ quarter, x @ quarter), "the same after a quarter turn"),
+        Call(name, (center, rim, x), "four points inside a cell"),
+        Call(
+            name,
+            (center @ quarter, rim @ quarter, x @ quarter),
+            "the first cell after a quarter turn",
+        ),
         Call(
             name,
             (other, other_rim, points_inside(random, other, other_corners, 3)),
             "neighbours listed clockwise",
         ),
+        Call(name, on_square, "the edges and corners of a square cell", exact=(0, 1, 2)),
+        Call(name, tiny, "the edges and corners of a square of the size 10⁻⁹", exact=(0, 1, 2)),
+        Call(name, (center, rim, points_outside(center, corners)), "points outside the cell"),
         Call(
             name,
-            (middle, mirror_images(middle, square), on_edges(square)),
-            "places on the edges of a square cell",
-            exact=(0, 1, 2),
+            (other, other_rim, points_outside(other, other_corners)),
+            "points outside, neighbours listed clockwise",
         ),
     )
 
 
-@law("Turning everything changes nothing.")
+@law("Turning the cell and the points must not change the coordinates.")
 def is_rotation_invariant(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the change of the coordinates under a quarter turn."""
     return relative(values[1][0] - values[0][0], values[0][0])
 
 
-@law("On an edge only its two corners have a weight, in the ratio of the distances.")
+@law(
+    "On an edge only its two corners may have a weight, in the ratio of the distances, and in a "
+    "corner only this corner."
+)
 def is_linear_on_edges(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the weights from three quarters and one quarter, a quarter of the way
-    along an edge.
+    along an edge, and from one in a corner.
     """
-    wanted = 0.75 * np.eye(4) + 0.25 * np.eye(4)[[1, 2, 3, 0]]
-    return relative(values[3][0] - wanted, 1.0)
+    wanted = np.concatenate([0.75 * np.eye(4) + 0.25 * np.eye(4)[[1, 2, 3, 0]], np.eye(4)])
+    return max(relative(omega - wanted, 1.0) for (omega,) in values[3:5])
+
+
+@law("Outside the cell some coordinates must be negative.")
+def has_negative_coordinates_outside(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return one if the coordinates of a point outside are all positive or zero."""
+    return float(max((omega.min(axis=1) > -1e-6).any() for (omega,) in values[5:7]))
 
 
 QUESTIONS = (
@@ -356,9 +436,11 @@ QUESTIONS = (
         "07.2",
         "circumcenter",
         2,
-        lambda seed: triangles("circumcenter", seed),
+        circumcenter_inputs,
         lambda _: ((2,),),
         (is_equally_far,),
+        tolerance_far_away,
+        relative_to_a_corner,
     ),
     Question(
         "07.3",
@@ -401,6 +483,6 @@ QUESTIONS = (
         3,
         safe_inputs,
         lambda call: per_point(call, 2),
-        (ONE, is_rotation_invariant, is_linear_on_edges),
+        (ONE, is_rotation_invariant, is_linear_on_edges, has_negative_coordinates_outside),
     ),
 )

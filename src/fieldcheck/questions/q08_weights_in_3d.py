@@ -13,6 +13,12 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, law_of_each, relative
+from fieldcheck.questions.q06_cell_velocities import (
+    DIGITS_FAR_AWAY,
+    FAR,
+    relative_to_a_corner,
+    tolerance_far_away,
+)
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
@@ -50,11 +56,19 @@ def points_inside(
     return center + 0.7 * (random.dirichlet(np.ones(len(corners)), m) @ corners - center)
 
 
+def points_outside(
+    center: np.ndarray, neighbors: np.ndarray, cells: np.ndarray, corners: np.ndarray
+) -> np.ndarray:
+    """Return one point just outside each face of a cell, beyond the mean of its corners."""
+    faces = [corners[np.any(cells == b, axis=1)].mean(axis=0) for b in range(len(neighbors))]
+    return center + 1.15 * (np.array(faces) - center)
+
+
 # 08.1 and 08.2 Tetrahedra
 
 
 def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
-    """Return a tetrahedron, the same in another order, half of it, and a flat one."""
+    """Return a tetrahedron, the same in another order, half of it, a flat and a small one."""
     random = np.random.default_rng(seed)
     corner = np.array(
         [[0.0, 0, 0], [2, 0.3, 0.1], [0.7, 1.6, -0.2], [0.6, 0.5, 1.9]]
@@ -66,23 +80,37 @@ def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
         ((a, b, c, d), "a tetrahedron"),
         ((a, c, b, d), "the same tetrahedron, listed the other way round"),
         ((a, b, c, (c + d) / 2), "half of the tetrahedron"),
-        ((a, b, c, low), "a flat tetrahedron"),
+        ((b, a, c, low), "a flat tetrahedron, listed the other way round"),
+        (tuple(1e-4 * p for p in (a, c, b, d)), "a tetrahedron of the size 10⁻⁴"),
     )
 
 
 @law(
-    "A volume is positive, does not depend on the order of the corners, and a plane "
-    "through one edge and the middle of the opposite one cuts it in half."
+    "A volume must be positive and must not depend on the order of the corners. A plane through "
+    "one edge and the middle of the opposite edge must cut it in half."
 )
 def halves_with_the_tetrahedron(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the volume under reordering and halving, or from positive."""
-    whole, turned, half, flat = (float(v) for (v,) in values)
+    each = [float(v) for (v,) in values]
+    whole, turned, half = each[:3]
     return max(
-        relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -whole, -flat)
+        relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -min(each))
     )
 
 
-@law_of_each("A circumcentre is equally far from all four corners.")
+def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
+    """Return the tetrahedra, and two of them far from the origin."""
+    near = tetrahedra("circumcenter", seed)
+    moved = (tuple(corner + FAR for corner in call.arguments) for call in (near[0], near[3]))
+    cases = ("the first tetrahedron, far from the origin", "a flat tetrahedron, far away")
+    return near + calls_of("circumcenter", *zip(moved, cases, strict=True))
+
+
+@law_of_each(
+    "A circumcentre must be equally far from all four corners. If this fails only far from the "
+    "origin, squares of large coordinates have lost digits.",
+    DIGITS_FAR_AWAY,
+)
 def is_equally_far(call: Call, values: Values) -> float:
     """Return the largest difference between the distances to the four corners."""
     (p,) = values
@@ -101,6 +129,7 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         -0.15, 0.15, (3, 3)
     )
     frame = np.linalg.qr(random.normal(size=(3, 3)))[0]
+    frame = -np.sign(np.linalg.det(frame)) * frame
     name = "volume_of_normals"
     return calls_of(
         name,
@@ -110,13 +139,16 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
             "the same directions, other lengths",
         ),
         ((center, center + edges[[1, 0, 2]]), "the same tips in another order"),
-        ((center, center + random.uniform(1, 2, (3, 1)) * frame), "perpendicular edges"),
+        (
+            (center, center + random.uniform(1, 2, (3, 1)) * frame),
+            "perpendicular edges, left-handed",
+        ),
     )
 
 
 @law(
-    "Normals have directions only: the lengths of the edges and their order do not "
-    "matter, and perpendicular normals span the volume one."
+    "The volume must not depend on the lengths of the edges nor on their order, and perpendicular "
+    "normals must span the volume one."
 )
 def depends_on_directions(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the effect of lengths and order, and the deviation from one if perpendicular."""
@@ -128,7 +160,7 @@ def depends_on_directions(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def weights_inputs(seed: int) -> tuple[Call, ...]:
-    """Return stars of six and seven neighbours, and the first at twice the size."""
+    """Return stars of six and seven neighbours, the first at twice the size, and outside."""
     random = np.random.default_rng(seed)
     calls = []
     for n, case in ((4, "six neighbours"), (5, "seven neighbours")):
@@ -137,11 +169,31 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         calls.append(Call("weights", (center, neighbors, cells, corners, x), case))
     center, neighbors, cells, corners, x = calls[0].arguments
     double = (2 * center, 2 * neighbors, cells, 2 * corners, 2 * x)
-    return (*calls, Call("weights", double, "six neighbours, everything twice as large"))
+    calls.append(Call("weights", double, "six neighbours, everything twice as large"))
+    for n in (4, 5):
+        center, neighbors, cells, corners = star(random, n)
+        x = point_outside(center, neighbors, cells, corners)
+        case = f"a point outside the cell of {n + 2} neighbours"
+        calls.append(Call("weights", (center, neighbors, cells, corners, x), case))
+    return tuple(calls)
+
+
+def point_outside(
+    center: np.ndarray, neighbors: np.ndarray, cells: np.ndarray, corners: np.ndarray
+) -> np.ndarray:
+    """Return a point just outside a cell, from which no direction to a corner is perpendicular to a
+    spoke: an answer that multiplies the two would otherwise divide by a rounding error.
+    """
+    spokes = neighbors - center
+
+    def least(x: np.ndarray) -> float:
+        return float(np.abs((corners - x) @ spokes.T).min())
+
+    return max(points_outside(center, neighbors, cells, corners), key=least)
 
 
 @law_of_each(
-    "The weights pull the place towards the corners in such a way that it stays where it is."
+    "The vectors from the point to the corners, multiplied by the weights, must sum to zero."
 )
 def balances(call: Call, values: Values) -> float:
     """Return the weighted sum of the vectors to the corners, which must vanish."""
@@ -151,8 +203,8 @@ def balances(call: Call, values: Values) -> float:
 
 
 @law(
-    "If everything is twice as large, (8.2) has eight times the volume above and 64 "
-    "times as much below: an eighth is left."
+    "If everything is twice as large, each weight must be an eighth: (8.2) has eight times the "
+    "volume above and 64 times as much below."
 )
 def scales(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the weights from an eighth at twice the size."""
@@ -168,13 +220,16 @@ def heights_inputs(seed: int) -> tuple[Call, ...]:
     center, neighbors, _, corners = star(random, 4)
     return calls_of(
         "heights",
-        ((center, neighbors, points_inside(random, center, corners, 4)), "four places in a cell"),
+        ((center, neighbors, points_inside(random, center, corners, 4)), "four points in a cell"),
         ((center, neighbors, np.vstack([center, neighbors])), "the vertex and its neighbours"),
-        ((center, neighbors, (center + neighbors) / 2), "points half-way to the neighbours"),
+        ((center, neighbors, (center + neighbors) / 2), "the midpoints between them"),
     )
 
 
-@law("Half-way to a neighbour its height is zero, and at the two ends it is opposite.")
+@law(
+    "The height of a neighbour must be zero half-way to it, and must have opposite values at the "
+    "vertex and at the neighbour."
+)
 def vanishes_half_way(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of h from zero at midpoints, and from opposite values at both ends."""
     ends, middles = values[1][0], values[2][0]
@@ -185,7 +240,7 @@ def vanishes_half_way(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def coordinates_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points inside, the same rotated, and the corners and edge midpoints of a cubic cell.
+    """Return points inside, the same rotated, outside, and corners and edges of a cubic cell.
 
     The cube has corners that are exact in floating-point numbers, so that a quotient is zero by
     zero there on every machine.
@@ -201,40 +256,64 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
     cube = middle + side * signs
     around = middle + 2 * side * np.vstack([np.eye(3), -np.eye(3)])
     eight = np.array([[k if s > 0 else 3 + k for k, s in enumerate(row)] for row in signs])
+    at, tiny = np.vstack([cube, (cube[:4] + cube[4:]) / 2]), 2.0**-30
     name = "coordinates"
     return (
-        Call(name, (center, neighbors, cells, x), "three places in a cell"),
-        Call(name, (center @ over, neighbors @ over, cells, x @ over), "the same turned over"),
+        Call(name, (center, neighbors, cells, x), "three points in a cell"),
+        Call(name, (center @ over, neighbors @ over, cells, x @ over), "the first cell, rotated"),
         Call(
             name,
             (other, tips, more, points_inside(random, other, ends, 2)),
-            "two places among seven neighbours",
+            "two points in a cell of seven neighbours",
+        ),
+        Call(
+            name, (middle, around, eight, at), "corners and edges of a cubic cell", exact=(0, 1, 3)
         ),
         Call(
             name,
-            (middle, around, eight, np.vstack([cube, (cube[:4] + cube[4:]) / 2])),
-            "corners and edges of a cubic cell",
+            (tiny * middle, tiny * around, eight, tiny * at),
+            "corners and edges of a cube of the size 10⁻⁹",
             exact=(0, 1, 3),
+        ),
+        Call(
+            name,
+            (center, neighbors, cells, points_outside(center, neighbors, cells, corners)),
+            "points outside the cell",
+        ),
+        Call(
+            name,
+            (other, tips, more, points_outside(other, tips, more, ends)),
+            "points outside the cell of seven neighbours",
         ),
     )
 
 
-@law("Coordinates have the sum one at every place, so that a constant comes back.")
+@law("The coordinates of a point must sum to one, so that a constant is reproduced.")
 def sums_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of row sums from one."""
     return max(float(np.abs(omega.sum(axis=1) - 1).max()) for (omega,) in values)
 
 
-@law("Turning everything changes nothing.")
+@law("Rotating the cell and the points must not change the coordinates.")
 def is_rotation_invariant(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the change of the coordinates under a rotation."""
     return relative(values[1][0] - values[0][0], values[0][0])
 
 
-@law("At a corner it alone has a weight, and half-way along an edge its two ends have a half each.")
+@law(
+    "In a corner the coordinate of this corner must be one and all others zero. In the middle of "
+    "an edge those of its two ends must be one half."
+)
 def is_right_on_the_cube(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation from one weight at corners, and from two halves at edge midpoints."""
-    return relative(values[3][0] - np.vstack([np.eye(8), (np.eye(8)[:4] + np.eye(8)[4:]) / 2]), 1.0)
+    wanted = np.vstack([np.eye(8), (np.eye(8)[:4] + np.eye(8)[4:]) / 2])
+    return max(relative(omega - wanted, 1.0) for (omega,) in values[3:5])
+
+
+@law("Outside the cell some coordinates must be negative.")
+def has_negative_coordinates_outside(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return one if the coordinates of a point outside are all positive or zero."""
+    return float(max((omega.min(axis=1) > -1e-6).any() for (omega,) in values[5:7]))
 
 
 QUESTIONS = (
@@ -250,12 +329,20 @@ QUESTIONS = (
         "08.2",
         "circumcenter",
         2,
-        lambda seed: tetrahedra("circumcenter", seed),
+        circumcenter_inputs,
         lambda _: ((3,),),
         (is_equally_far,),
+        tolerance_far_away,
+        relative_to_a_corner,
     ),
     Question(
-        "08.4", "volume_of_normals", 2, normals_inputs, lambda _: ((),), (depends_on_directions,)
+        "08.4",
+        "volume_of_normals",
+        2,
+        normals_inputs,
+        lambda _: ((),),
+        (depends_on_directions,),
+        may_call=("08.1", "08.2"),
     ),
     Question(
         "08.7",
@@ -264,6 +351,7 @@ QUESTIONS = (
         weights_inputs,
         lambda call: ((len(call.arguments[2]),),),
         (scales, balances),
+        may_call=("08.2", "08.4"),
     ),
     Question(
         "08.8",
@@ -279,6 +367,11 @@ QUESTIONS = (
         3,
         coordinates_inputs,
         lambda call: ((len(call.arguments[3]), len(call.arguments[2])),),
-        (sums_to_one, is_rotation_invariant, is_right_on_the_cube),
+        (
+            sums_to_one,
+            is_rotation_invariant,
+            is_right_on_the_cube,
+            has_negative_coordinates_outside,
+        ),
     ),
 )

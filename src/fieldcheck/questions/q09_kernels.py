@@ -54,8 +54,8 @@ def columns_in_order(_: Call, values: Values) -> Values:
 
 
 @law(
-    "If one coordinate is doubled and the other tripled, each monomial grows by a "
-    "product of twos and threes: 1, 2, 3, 4, 6 and 9 for the degree two."
+    "If one coordinate is doubled and the other tripled, the columns for the degree 2 must be "
+    "multiplied by 1, 2, 3, 4, 6 and 9."
 )
 def stretch_by_powers(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the columns of scaled points from 1, 2, 3, 4, 6 and 9 times the
@@ -66,7 +66,7 @@ def stretch_by_powers(_: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(ratio - [1, 2, 3, 4, 6, 9], 1.0)
 
 
-@law("Where both coordinates are one, every monomial is one.")
+@law("Where both coordinates are one, every monomial must be one.")
 def are_one_at_one(_: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[0][0][4] - 1, 1.0)
 
@@ -75,7 +75,7 @@ def are_one_at_one(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
-    """Return forms with sufficient, too few, no, and linearly dependent side conditions.
+    """Return forms with sufficient, too few, no, linearly dependent, and scaled side conditions.
 
     The dependent ones are as many as points: an answer that counts columns would have no vectors
     left.
@@ -89,9 +89,10 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
         -powers(squares(other, other), 1),
         powers(squares(line, line), 2),
     )
+    uneven = np.array([1.0, 3e-3, 1.0])
     cases = (
         (cube, ridges(plane, 1), "the cubes of nine distances, and linear conditions"),
-        (cube, ridges(plane, 0), "the same with the constant alone"),
+        (cube, ridges(plane, 0), "the cubes of nine distances, and the constant alone"),
         (root, ridges(other, 0), "minus the distances of eight points, and the constant"),
         (np.exp(-squares(few, few)), np.zeros((6, 0)), "Gaussians, and no conditions"),
         (
@@ -99,13 +100,15 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
             ridges(line, 1),
             "thin plates on a line, where the three conditions depend on each other",
         ),
+        (cube, ridges(plane, 1) * uneven, "the cubes, with linear conditions in different units"),
+        (cube, 1e-9 * ridges(plane, 1), "the cubes, with linear conditions of the size 10⁻⁹"),
     )
     return tuple(Call("least_eigenvalue", (a, p), case) for a, p, case in cases)
 
 
 @law(
-    "On the vectors that satisfy the conditions, the form less a smaller number is "
-    "positive, and less a larger number it is not."
+    "Your number must be the least value of λᵀAλ over all vectors λ of length one that satisfy the "
+    "side conditions."
 )
 def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return one if the form minus the number is not positive just below it, or is positive just
@@ -114,6 +117,7 @@ def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -
     missed = 0
     for call, (least,) in zip(calls, values, strict=True):
         a, p = call.arguments
+        p = p / np.sqrt((p**2).sum(axis=0))
         conditions = int(np.linalg.matrix_rank(p, tol=1e-8)) if p.size else 0
         step = 1e-7 * np.abs(a).max()
         for shift, more in ((least - step, False), (least + step, True)):
@@ -131,8 +135,8 @@ def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -
 
 
 def vanishing_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in general position, on a line, on an ellipse, few, repeated, and in a small
-    box.
+    """Return points in general position, on a line, near and on an ellipse, few, repeated, in small
+    boxes and far from the origin.
     """
     random = np.random.default_rng(seed)
     turn = random.uniform(0.2, 1.3)
@@ -140,6 +144,11 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
     angle = 2 * np.pi * cloud(random, 9, 1)[:, 0]
     ellipse = random.normal(size=2) + np.stack([np.cos(angle), 0.6 * np.sin(angle)], axis=1)
     twice = cloud(random, 5, 2)
+    far = cloud(random, 9, 2) + np.array([1e6, -3e5])
+    off = ellipse + 1e-6 * (np.arange(9) == 4)[:, None]
+    along = np.sort(cloud(random, 7, 1)[:, 0])
+    near = np.outer(along, [np.cos(turn), np.sin(turn)])
+    near[3] += 1e-7 * np.array([-np.sin(turn), np.cos(turn)])
     cases = (
         (cloud(random, 8, 2), 2, "eight points and the degree 2"),
         (line, 1, "six points on a line and the degree 1"),
@@ -152,23 +161,28 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
             2,
             "seven points, of which two pairs are the same, and the degree 2",
         ),
-        (0.01 * cloud(random, 7, 2), 2, "seven points in a small box and the degree 2"),
+        (1e-8 * cloud(random, 7, 2), 2, "seven points in a box of the size 10⁻⁸ and the degree 2"),
+        (far, 2, "nine points, 10⁶ from the origin, and the degree 2"),
+        (1e-7 * line, 1, "six points on a line in a box of the size 10⁻⁷ and the degree 1"),
+        (off, 2, "nine points near an ellipse, one of them off by 10⁻⁶, and the degree 2"),
+        (1e6 * ellipse, 2, "nine points on an ellipse of the size 10⁶ and the degree 2"),
+        (near, 1, "seven points near a line, one of them off by 10⁻⁷, and the degree 1"),
         (cloud(random, 12, 2), 3, "twelve points and the degree 3"),
     )
     return tuple(Call("vanishing", (p, degree), case) for p, degree, case in cases)
 
 
 @law_of_each(
-    "As many conditions are independent as the matrix of (1 + p·q)ⁿ, for all pairs of "
-    "points, has a rank; the other polynomials vanish at the points."
+    "The number must be Q minus the rank of P, for P of any basis of the polynomials, with the "
+    "points shifted and scaled."
 )
-def agrees_with_the_rank_of_another_matrix(call: Call, values: Values) -> float:
-    """Return the difference from Q minus the rank of (1 + p·q)^n, which equals the rank of P."""
+def agrees_with_the_rank_for_another_basis(call: Call, values: Values) -> float:
+    """Return the difference from Q minus the rank of the values of ridges, instead of monomials."""
     (number,) = values
     points, degree = call.arguments
-    points = points / np.abs(points).max()
-    spectrum = np.linalg.eigvalsh((1 + points.dot(points.T)) ** degree)
-    rank = (spectrum > 1e-12 * spectrum[-1]).sum()
+    away = np.subtract(points, points[0])
+    spectrum = np.linalg.svd(ridges(away / np.abs(away).max(), degree), compute_uv=False)
+    rank = np.count_nonzero(spectrum > 1e-10 * spectrum[0])
     return abs(float(number) - (degree + 1) * (degree + 2) / 2 + rank)
 
 
@@ -207,8 +221,8 @@ def interpolates_the_values(calls: Sequence[Call], values: Sequence[Values]) -> 
 
 
 @law_of_each(
-    "The field is made of bumps on the points and a polynomial of the degree asked "
-    "for, and the factors of the bumps satisfy the side conditions.",
+    "The field must be a sum of kernels at the points and a polynomial of the given degree. The "
+    "coefficients of the kernels must satisfy the side conditions.",
     1e-6,
 )
 def is_kernels_and_a_polynomial(call: Call, values: Values) -> float:
@@ -240,8 +254,8 @@ def wendland_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law(
-    "The function for s = 0 is a power of 1 - r, zero beyond 1; that for s = 1 is the "
-    "integral (9.9) of the one for two variables more."
+    "The function for s = 0 must be a power of 1 − r, and zero beyond 1. The function for s = 1 "
+    "must be the integral (9.9) of that for s = 0 in D + 2 variables."
 )
 def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation from the integral by Gauss quadrature for s = 1, and from a power for s
@@ -291,7 +305,7 @@ def exchange_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
-@law_of_each("At that time, between 0 and 1, the triangle of the three points has no area.")
+@law_of_each("At the returned time, between 0 and 1, the three points must lie on one line.")
 def makes_a_flat_triangle(call: Call, values: Values) -> float:
     """Return the area of the triangle at that time, and the distance of the time from [0, 1]."""
     (t,) = values
@@ -368,7 +382,7 @@ QUESTIONS = (
         2,
         vanishing_inputs,
         lambda _: ((),),
-        (agrees_with_the_rank_of_another_matrix,),
+        (agrees_with_the_rank_for_another_basis,),
     ),
     Question(
         "09.4",
@@ -404,8 +418,7 @@ QUESTIONS = (
         slope_shape,
         (
             Law(
-                "The matrix is its own transpose: whatever acts on a row acts on the column of "
-                "the same number.",
+                "The matrix must be symmetric.",
                 is_symmetric,
             ),
             maps_to_values_and_slopes,

@@ -102,8 +102,8 @@ def nothing_for_rounding(call: Call, values: Values) -> Values:
 
 
 @law_of_each(
-    "The curve (10.4) must go through the values, and its factors sum to zero, plain "
-    "and weighted by the sites."
+    "The curve (10.4) must go through the values. Its coefficients a must sum to zero, and so must "
+    "their products with the sites."
 )
 def is_natural_and_interpolates(call: Call, values: Values) -> float:
     (a, b) = values
@@ -134,7 +134,8 @@ def slopes(sites: np.ndarray, values: np.ndarray, m: np.ndarray) -> tuple[np.nda
 
 
 @law_of_each(
-    "Neighbouring pieces must have the same slope where they meet, and both ends the moment zero."
+    "Neighbouring pieces must have the same slope where they meet, and the moments at both ends "
+    "must be zero."
 )
 def has_no_kink(call: Call, values: Values) -> float:
     """Return the largest jump of the slope, and the moments at the two ends."""
@@ -146,13 +147,23 @@ def has_no_kink(call: Call, values: Values) -> float:
 # 10.4 The pieces
 
 
+def natural_data(random: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return sites, values, and the moments of the natural spline through them."""
+    bends = random.normal(size=n)
+    bends[[0, -1]] = 0
+    sites = line(random, n)
+    heights = half_cubes(sites, *_free_powers(sites, bends, random.normal(size=2)), sites)
+    return sites, heights, bends
+
+
 def pieces_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points: three on the left, four in each interval with its ends, three on the right."""
+    """Return points in any order: three on the left, four in each interval with its ends, three on
+    the right. The moments belong to the natural spline through the values.
+    """
     random = np.random.default_rng(seed)
     calls = []
     for n, case in ((6, "six sites"), (4, "four sites")):
-        sites, bends = line(random, n), random.normal(size=n)
-        bends[[0, -1]] = 0
+        sites, heights, bends = natural_data(random, n)
         inside = np.linspace(sites[:-1], sites[1:], 4, axis=1).ravel()
         ends = [
             sites[0] + np.array([-1.5, -1.0, -0.5]),
@@ -162,7 +173,7 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
         calls.append(
             Call(
                 "piecewise",
-                (sites, random.normal(size=n), bends, np.concatenate(ends)),
+                (sites, heights, bends, random.permutation(np.concatenate(ends))),
                 case,
                 exact=(0, 3),
             )
@@ -171,13 +182,14 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law_of_each(
-    "Each piece has the values and second derivatives of (10.6) at its ends; outside "
-    "the curve goes on straight, with the slope that it has there."
+    "Each piece must have the given values and moments at its two ends. Outside the curve must be "
+    "a straight line with the slope that it has at the end."
 )
 def is_cubic_inside_and_linear_outside(call: Call, values: Values) -> float:
     """Return the deviation of ends, second derivatives and outer lines from the given ones."""
     (s,) = values
-    sites, heights, m, _ = call.arguments
+    sites, heights, m, x = call.arguments
+    s = s[np.argsort(x, kind="stable")]
     four, step = s[3:-3].reshape(-1, 4), (sites[1:] - sites[:-1])[:, None] / 3
     ends = four[:, [0, 3]] - np.stack([heights[:-1], heights[1:]], axis=1)
     second = four.dot([[2, -1], [-5, 4], [4, -5], [-1, 2]]) / step**2 - np.stack(
@@ -198,11 +210,7 @@ def back_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     calls = []
     for n, case in ((6, "six sites"), (3, "three sites"), (4, "four sites")):
-        bends = random.normal(size=n)
-        bends[[0, -1]] = 0
-        sites = line(random, n)
-        heights = half_cubes(sites, *_free_powers(sites, bends, random.normal(size=2)), sites)
-        calls.append(Call("truncated", (sites, heights, bends), case))
+        calls.append(Call("truncated", natural_data(random, n), case))
     return tuple(calls)
 
 
@@ -216,8 +224,8 @@ def _free_powers(
 
 
 @law_of_each(
-    "The curve (10.1) must have the values and the second derivatives at the sites, "
-    "and satisfy (10.2)."
+    "The curve (10.1) must have the given values and second derivatives at the sites, and must "
+    "satisfy (10.2)."
 )
 def is_made_of_half_cubes(call: Call, values: Values) -> float:
     """Return the deviation of values, second derivatives and moments from the given ones."""
@@ -243,42 +251,54 @@ def energy_inputs(seed: int) -> tuple[Call, ...]:
         (sites, bends, "six sites"),
         (sites, 3 * bends, "moments three times as large"),
         (finer, np.interp(finer, sites, bends), "the same curve, each interval cut in two"),
-        (-sites[::-1], bends[::-1], "the same curve, seen in a mirror"),
+        (-sites[::-1], bends[::-1], "the mirror image of the curve"),
         (sites[:2], np.array([2.0, 2.0]), "one interval on which s'' is 2"),
     )
     return tuple(Call("energy", (x, m), case) for x, m, case in cases)
 
 
-@law(
-    "The integral of a square: three times s'' gives nine times as much, to cut an "
-    "interval or to look in a mirror changes nothing, and where s'' is 2 it is four "
-    "times the length."
-)
-def is_an_integral_of_a_square(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    e = np.array([v[0] for v in values])
+@law("Where s'' is 2, the energy must be four times the length of the interval.")
+def is_four_times_the_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
     first, last = calls[-1].arguments[0]
-    return relative(e - [e[0], 9 * e[0], e[0], e[0], 4 * (last - first)], e)
+    return relative(values[-1][0] - 4 * (last - first), last - first)
+
+
+@law("Moments three times as large must have nine times the energy.")
+def is_quadratic(_: Sequence[Call], values: Sequence[Values]) -> float:
+    return relative(values[1][0] - 9 * values[0][0], values[0][0])
+
+
+@law("Additional sites on the same curve must not change the energy.")
+def does_not_depend_on_cuts(_: Sequence[Call], values: Sequence[Values]) -> float:
+    return relative(values[2][0] - values[0][0], values[0][0])
+
+
+@law("The mirror image of a curve must have the same energy.")
+def is_that_of_the_mirror_image(_: Sequence[Call], values: Sequence[Values]) -> float:
+    return relative(values[3][0] - values[0][0], values[0][0])
 
 
 # 10.7 B-splines
 
 
 def b_spline_inputs(seed: int) -> tuple[Call, ...]:
-    """Return knots, some of them double, degrees 0 to 3, and evaluation points with knots among
-    them.
+    """Return knots, some of them multiple, degrees 0 to 3, and evaluation points with knots among
+    them, the last one included.
     """
     random = np.random.default_rng(seed)
     simple, double = line(random, 8), line(random, 10)
     double[5] = double[4]
+    clamped = np.concatenate([simple[[0, 0]], simple[:3], simple[[2, 2]]])
     cases = (
         (simple, 2, "eight knots and the degree 2"),
         (double, 3, "ten knots, two of them the same, and the degree 3"),
         (simple[:5], 0, "five knots and the degree 0"),
         (double[3:8], 1, "five knots, two of them the same, and the degree 1"),
+        (clamped, 2, "seven knots, with triple ends, and the degree 2"),
     )
     calls = []
     for t, k, case in cases:
-        x = np.concatenate([random.uniform(t[0] - 0.5, t[-1] + 0.5, 9), t[[1, -3]]])
+        x = np.concatenate([random.uniform(t[0] - 0.5, t[-1] + 0.5, 9), t[[1, -3, -1]]])
         calls.append(Call("b_splines", (t, k, x), case, exact=(0, 2)))
     return tuple(calls)
 
@@ -289,8 +309,8 @@ def b_spline_shape(call: Call) -> tuple[tuple[int, ...], ...]:
 
 
 @law_of_each(
-    "A B-spline is never negative, and zero outside the k + 1 intervals from its "
-    "first knot to its last."
+    "A B-spline must not be negative, and must be zero outside the k + 1 intervals from its first "
+    "knot to its last."
 )
 def has_its_support_and_sign(call: Call, values: Values) -> float:
     """Return the largest absolute value outside the support, and the most negative value."""
@@ -301,9 +321,8 @@ def has_its_support_and_sign(call: Call, values: Values) -> float:
 
 
 @law(
-    "Where k + 1 of them meet, (y - x) to the power k is the sum of B-splines times "
-    "(y - t) for the knots t inside each: Marsden's identity, which for the highest "
-    "power of y says that their sum is one."
+    "Where k + 1 B-splines overlap, they must sum to one, and Marsden's identity must hold: "
+    "(y − x)ᵏ is the sum of Bᵢ(x) (y − tᵢ₊₁)…(y − tᵢ₊ₖ)."
 )
 def satisfies_marsdens_identity(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of (y - x)^k from its B-splines by Marsden's identity, for several y."""
@@ -349,7 +368,19 @@ QUESTIONS = (
         (is_cubic_inside_and_linear_outside,),
     ),
     Question("10.5", "truncated", 3, back_inputs, coefficients_shape, (is_made_of_half_cubes,)),
-    Question("10.6", "energy", 2, energy_inputs, lambda _: ((),), (is_an_integral_of_a_square,)),
+    Question(
+        "10.6",
+        "energy",
+        2,
+        energy_inputs,
+        lambda _: ((),),
+        (
+            is_four_times_the_length,
+            is_quadratic,
+            does_not_depend_on_cuts,
+            is_that_of_the_mirror_image,
+        ),
+    ),
     Question(
         "10.7",
         "b_splines",

@@ -71,6 +71,24 @@ def oval(random: np.random.Generator, n: int) -> np.ndarray:
     return np.column_stack([1.2 * z.real, 0.8 * z.imag])
 
 
+def ellipsoid(random: np.random.Generator, n: int) -> np.ndarray:
+    """Return n points of an ellipsoid in random order, evenly spread along a spiral."""
+    height = 1 - (2 * np.arange(n) + random.uniform(0.8, 1.2, n)) / n
+    turn = np.pi * (1 + np.sqrt(5)) * np.arange(n)
+    width = np.sqrt(1 - height**2)
+    points = np.column_stack([width * np.cos(turn), width * np.sin(turn), height])
+    return points[random.permutation(n)] * AXES
+
+
+AXES = np.array([1.3, 1.0, 0.8])
+
+
+def outward_of_ellipsoid(points: np.ndarray) -> np.ndarray:
+    """Return the outward normals of the ellipsoid at points on it."""
+    away = points / AXES**2
+    return away / np.sqrt((away**2).sum(axis=1))[:, None]
+
+
 def drop(random: np.random.Generator, n: int) -> np.ndarray:
     """Return n points of a drop, a circle with two tangents that meet in a tip, in random order."""
     flank = np.sqrt(3.0)
@@ -108,6 +126,14 @@ def outward_of_two(points: np.ndarray) -> np.ndarray:
 RIGHT = np.array([4.0, 1.0])
 
 
+def below(points: np.ndarray) -> np.ndarray:
+    """Return the outward normals of two bodies that were moved down."""
+    return outward_of_two(points + DOWN)
+
+
+DOWN = np.array([0.0, 7.0])
+
+
 def random_signs(random: np.random.Generator, normals: np.ndarray) -> np.ndarray:
     """Return normals with random signs, like estimated normals."""
     rough = random.choice([-1.0, 1.0], (len(normals), 1)) * normals + 0.01 * random.normal(
@@ -133,6 +159,7 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((torus(random, 5, 9), 7), "a torus in space"),
         ((flat, 14), "a rough plane of fourteen points, all of them neighbours"),
         ((oval(random, 12) + np.array([4e4, -2e4]), 4), "an oval far from the origin"),
+        ((oval(random, 15) + np.array([-3e4, 5e4]), 5), "another oval far from the origin"),
     )
 
 
@@ -147,8 +174,8 @@ def normals_tolerance(call: Call) -> float:
 
 
 @law(
-    "Normals have the length one, and in no direction beside them have the neighbours "
-    "less variance.",
+    "Normals must have length 1, the variance of the neighbours along them must be the smallest, "
+    "and q must be between 0 and 1.",
     1e-6,
 )
 def have_the_least_variance(calls: Sequence[Call], values: Sequence[Values]) -> float:
@@ -199,7 +226,10 @@ def graph_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("Links go both ways, none leads to the point itself, and all of the nearest are linked.")
+@law(
+    "Links must go both ways, no point may be linked to itself, and each point must be linked to "
+    "its K − 1 nearest others."
+)
 def links_both_ways(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the number of points linked to themselves, in one direction only, or to no nearest
     point.
@@ -230,28 +260,50 @@ def near(points: np.ndarray, k: int) -> np.ndarray:
     return (rank | rank.T).astype(float)
 
 
+def with_long_links(
+    random: np.random.Generator, points: np.ndarray, normals: np.ndarray, k: int
+) -> np.ndarray:
+    """Return the graph of near points, and half of the links between points whose normals are
+    far from parallel.
+
+    Those links are the most expensive ones, so no minimum spanning tree contains them.
+    """
+    product = normals @ normals.T
+    far = (product > -0.6) & (product < -0.1) & (random.uniform(size=product.shape) < 0.3)
+    return np.maximum(near(points, k), (far | far.T).astype(float))
+
+
 OUTWARD = {
     "a horseshoe": outward,
     "a torus in space": outward,
     "a drop with a sharp tip": outward_of_drop,
     "two bodies": outward_of_two,
+    "two bodies far below": below,
+    "an ellipsoid with some long links": outward_of_ellipsoid,
+    "a torus with some long links": outward,
 }
 
 
 def orient_inputs(seed: int) -> tuple[Call, ...]:
-    """Return normals with random signs, and graphs: horseshoe, torus, drop and two bodies."""
+    """Return normals with random signs, and graphs of near points, some with long links."""
     random = np.random.default_rng(seed)
     two = np.vstack([horseshoe(random, 40, 0.1), oval(random, 20) + RIGHT])[random.permutation(60)]
-    clouds = (horseshoe(random, 44, 0.1), torus(random, 8, 14), drop(random, 30), two)
+    clouds = (
+        *(horseshoe(random, 44, 0.1), torus(random, 8, 14), drop(random, 30)),
+        *(two, two - DOWN),
+        *(ellipsoid(random, 90), torus(random, 8, 14)),
+    )
     calls = []
-    for (case, truth), points, k in zip(OUTWARD.items(), clouds, (4, 7, 5, 4), strict=True):
-        calls.append(
-            Call("orient", (points, random_signs(random, truth(points)), near(points, k)), case)
-        )
+    for (case, truth), points, k in zip(
+        OUTWARD.items(), clouds, (4, 7, 5, 4, 4, 7, 7), strict=True
+    ):
+        long = "long links" in case
+        graph = with_long_links(random, points, truth(points), k) if long else near(points, k)
+        calls.append(Call("orient", (points, random_signs(random, truth(points)), graph), case))
     return tuple(calls)
 
 
-@law("Each normal is the given one or its opposite, and on these bodies it points outward.")
+@law("Each normal must be the given one or its opposite, and must point outward.")
 def point_outward(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the number of normals that point inward or are not ± the given ones."""
     wrong = 0.0
@@ -283,8 +335,8 @@ def beside_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law(
-    "The nearest point of the cloud is the own one, and with twice the length, if "
-    "that is not too much, it is not."
+    "The point itself must be nearest to its off-surface point; at twice the length, if that is at "
+    "most Δ, another point must be nearest."
 )
 def belong_to_their_sites(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the number of lengths that are not a power of 1/2, lead to another site, or could be

@@ -46,7 +46,7 @@ def fit_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
 
 
 @law_of_each(
-    "F takes the values at the sites, and the coefficients fulfil the side conditions.", 1e-7
+    "F must take the given values at the sites, and λ must satisfy the side conditions.", 1e-7
 )
 def meets_values_and_side_conditions(call: Call, values: Values) -> float:
     """Return the largest difference from the values, and the residual of the side conditions."""
@@ -95,14 +95,20 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     plane, space, single = body(random, 2, 5), body(random, 3, 4), body(random, 2, 1)
     return (
-        Call("field", (points_about_origin(random, 7, 2), *plane), "seven places in the plane"),
+        Call("field", (points_about_origin(random, 7, 2), *plane), "seven points in the plane"),
         Call(
             "field",
             (np.vstack([points_about_origin(random, 5, 3), space[0][:1]]), *space),
-            "places in space, one of them a site",
+            "points in space, one of them a site",
             exact=(0, 1),
         ),
         Call("field", (points_about_origin(random, 3, 2), *single), "one site"),
+        Call(
+            "field",
+            (np.vstack([points_about_origin(random, 4, 2), plane[0][2:3]]), *plane),
+            "points in the plane, one of them a site",
+            exact=(0, 1),
+        ),
     )
 
 
@@ -111,9 +117,11 @@ def field_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((len(x),), x.shape)
 
 
-@law("Values are those of (11.6), and gradients agree with differences of them.", 1e-6)
+@law(
+    "The values must be those of (11.7), and the gradients must agree with differences of F.", 1e-6
+)
 def gradient_is_that_of_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the differences of values from (11.6), and of gradients from central differences."""
+    """Return the differences of values from (11.7), and of gradients from central differences."""
     worst = 0.0
     for call, (f, gradient) in zip(calls, values, strict=True):
         x, *rest = call.arguments
@@ -137,7 +145,7 @@ def newton_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("One step leads to the zero of the tangent, and five to the zero level.", 1e-8)
+@law("One step must lead to the zero of the tangent, and five steps to the zero level.", 1e-8)
 def ends_on_the_zero_level(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the residual after five steps, and the deviation of one step from a Newton step."""
     x, sites, weights, plane, _ = calls[0].arguments
@@ -167,8 +175,8 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law(
-    "Ends lie on the sides of the square, where the values on the side are zero, and "
-    "what is positive lies to the left."
+    "The ends must lie on sides of the square, where the interpolated value is zero, and the "
+    "positive values must be on the left."
 )
 def lie_on_the_border(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of ends from the border and from zeros on it, and of pieces from running

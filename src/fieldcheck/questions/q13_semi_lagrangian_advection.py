@@ -34,10 +34,10 @@ def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
     x, dt, t = in_disc(random, 8), random.uniform(0.03, 0.05), random.uniform(0.2, 0.4)
     return calls_of(
         name,
-        ((x, t, dt, 1), "eight places in the vortex"),
-        ((x, t, dt / 2, 1), "the same with half the step"),
-        ((x, t, 2 * dt, 0), "eight places in the flow that turns as a whole"),
-        ((0.9 * in_square(random, 2), t, 3 * dt, 2), "four places in the flow that stretches"),
+        ((x, t, dt, 1), "eight points in the vortex"),
+        ((x, t, dt / 2, 1), "the same points with half the step"),
+        ((x, t, 2 * dt, 0), "eight points in the solid rotation"),
+        ((0.9 * in_square(random, 2), t, 3 * dt, 2), "four points in the deformation flow"),
     )
 
 
@@ -75,9 +75,13 @@ def grows_by(square: Callable[[float], float]) -> Deviation:
 
 
 def feet_question(
-    number: int, scheme: str, points: int, order: int, square: Callable[[float], float]
+    number: int, scheme: str, points: int, order: int, square: Callable[[float], float], words: str
 ) -> Question:
-    """Return the question on departure points by a scheme with this order of error per step."""
+    """Return the question on departure points by a scheme with this order of error per step.
+
+    One step in a solid rotation by the angle a multiplies squared radii by `square(a)`, in words
+    `words`.
+    """
     return Question(
         f"13.{number}",
         scheme,
@@ -86,12 +90,12 @@ def feet_question(
         lambda call: (call.arguments[0].shape,),
         (
             Law(
-                f"In the vortex half the step must make the error 2^{order} times smaller.",
+                f"In the vortex, half the step must reduce the error about {2**order} times.",
                 falls_with_order(order),
             ),
             Law(
-                "In a solid rotation the distance from the middle changes by a factor that is "
-                "known for this scheme.",
+                "In the solid rotation, one step must multiply squared distances from the centre "
+                f"by {words}, where a = 2πΔt.",
                 grows_by(square),
             ),
         ),
@@ -116,7 +120,9 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("Linear fields come back: rows sum to one, and the weighted mean of the sites is the foot.")
+@law(
+    "Linear fields must be reproduced: each row must sum to 1, with the foot as mean of the sites."
+)
 def reproduces_linear_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of row sums from one, and of weighted means from departure points."""
     worst = 0.0
@@ -127,7 +133,7 @@ def reproduces_linear_fields(calls: Sequence[Call], values: Sequence[Values]) ->
     return worst
 
 
-@law("Only the k sites nearest to its foot have weights in a row.")
+@law("Only the k sites nearest to a foot may have weights in its row.")
 def uses_the_nearest_sites_only(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest weight of a site with at least k sites nearer to the departure point."""
     worst = 0.0
@@ -140,7 +146,7 @@ def uses_the_nearest_sites_only(calls: Sequence[Call], values: Sequence[Values])
     return worst
 
 
-@law("At a site its own value counts, and no other.")
+@law("If a foot is a site, the weight of this site must be 1, and all others must be 0.")
 def is_one_at_its_site(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of rows for departure points at sites from unit vectors."""
     return float(np.abs(values[2][0] - np.eye(25)[[7, 0, 18]]).max())
@@ -161,15 +167,15 @@ def advect_inputs(seed: int) -> tuple[Call, ...]:
         name,
         (
             (disc, 1 + disc @ slope, dt, 3, 0, 8),
-            "an affine field in the flow that turns as a whole",
+            "an affine field in the solid rotation",
         ),
         ((disc, np.full(24, 2.5), dt, 2, 1, 8), "a constant in the vortex"),
         ((disc, random.normal(size=24), 2 * dt, 3, 1, 8), "a field in the vortex"),
-        ((square, random.normal(size=16), 3 * dt, 2, 2, 9), "a field in the flow that stretches"),
+        ((square, random.normal(size=16), 3 * dt, 2, 2, 9), "a field in the deformation flow"),
     )
 
 
-@law("The first row is the field at the beginning, and a constant stays what it is.")
+@law("The first row must be the initial field, and a constant must remain constant.")
 def constants_stay(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of a constant from itself, and of the first row from the start."""
     begins = max(
@@ -179,8 +185,8 @@ def constants_stay(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 @law(
-    "An affine field in a solid rotation only turns: there is no error in space, and "
-    "in time that of the feet."
+    "In the solid rotation, an affine field must be carried exactly from the departure points of "
+    "RK4: the reconstruction has no error."
 )
 def affine_fields_rotate(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of an affine field from its values at the sites rotated step by step."""
@@ -204,7 +210,7 @@ def bounds_inputs(seed: int) -> tuple[Call, ...]:
     return calls_of(
         "bounds",
         ((sites, u, feet), "seven feet among sixteen sites"),
-        ((sites, -u, feet), "the same with the opposite field"),
+        ((sites, -u, feet), "the same points with the opposite field"),
         ((sites, u, sites + 0.0), "feet that are the sites"),
         (
             (in_disc(random, 20), random.normal(size=20), 0.5 * in_disc(random, 3)),
@@ -213,21 +219,21 @@ def bounds_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("If the field changes its sign, the bounds do, and exchange their places.")
+@law("If the field is multiplied by −1, the bounds must be exchanged and multiplied by −1.")
 def changes_sign_with_the_field(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the negative field's bounds from the exchanged negative bounds."""
     (low, high), (below, above) = values[:2]
     return max(relative(below + high, high), relative(above + low, low))
 
 
-@law("A foot that is a site has the value there between its bounds.")
+@law("If a foot is a site, the value there must lie between its bounds.")
 def contains_the_nearest_value(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the distance of the value at a site from the bounds there."""
     u, (low, high) = calls[2].arguments[1], values[2]
     return max(0.0, float((low - u).max()), float((u - high).max()))
 
 
-@law("Four sites are asked, so that four values at least lie between the bounds.")
+@law("At least four values of the field must lie between the bounds of each foot.")
 def contain_four_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the number of four different values that lie outside the bounds."""
     between = (
@@ -239,7 +245,7 @@ def contain_four_values(calls: Sequence[Call], values: Sequence[Values]) -> floa
     return float(max(0, 4 - min(between)))
 
 
-@law("Bounds are values of the field.")
+@law("The bounds must be values of the field.")
 def are_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the distance of the bounds from the nearest values of the field."""
     return max(
@@ -263,14 +269,18 @@ def mass_inputs(seed: int) -> tuple[Call, ...]:
     return calls_of(
         name,
         ((u, u - 9, u + 9, m, float(m @ u) + 2.0), "bounds that are far away"),
-        ((u - 5, low - 5, high - 5, m, more - 5 * float(m.sum())), "a mass that is to grow"),
-        ((u + 5, low + 5, high + 5, m, less + 5 * float(m.sum())), "a mass that is to shrink"),
+        ((u - 5, low - 5, high - 5, m, more - 5 * float(m.sum())), "a mass that must grow"),
+        ((u + 5, low + 5, high + 5, m, less + 5 * float(m.sum())), "a mass that must shrink"),
         ((u, outside - 0.2, outside + 0.2, m, float(m @ outside)), "values beyond their bounds"),
         ((u, low, high, m, float(m @ u)), "a mass that is right already"),
+        ((u, u - 900, u + 900, m, float(m @ u + 300 * m.sum())), "a mass that must grow a lot"),
+        ((u, u - 90, u + 90, m, float(m @ u - 50 * m.sum())), "a mass that must shrink a lot"),
+        ((u + 50, low, high, m, more), "values far above their bounds"),
+        ((u - 40, low, high, m, less), "values far below their bounds"),
     )
 
 
-@law("The values must have the mass that is asked for, and lie within their bounds.")
+@law("The values must have the required mass, and lie within their bounds.")
 def has_the_mass(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the mass from the given mass, and of values from their bounds."""
     worst = 0.0
@@ -281,7 +291,7 @@ def has_the_mass(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return worst
 
 
-@law_of_each("All values that are at neither bound are changed by the same number.")
+@law_of_each("All values that are at neither bound must be changed by the same number.")
 def changes_by_a_constant(call: Call, values: Values) -> float:
     """Return the variation of the changes among values strictly between their bounds."""
     (v,) = values
@@ -309,7 +319,7 @@ def burgers_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("If the velocity is linear, each round adds a term of a geometric series.")
+@law("If the velocity is linear, each round must add a term of a geometric series.")
 def converges_as_a_geometric_series(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of departure points in a linear field from partial geometric sums."""
     worst = 0.0
@@ -321,7 +331,7 @@ def converges_as_a_geometric_series(calls: Sequence[Call], values: Sequence[Valu
     return worst
 
 
-@law("A constant velocity shifts all places alike.")
+@law("A constant velocity must shift all points equally.")
 def constant_shifts(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of departure points in a constant flow from equally shifted points."""
     x, u, dt, _, _ = calls[3].arguments
@@ -329,9 +339,9 @@ def constant_shifts(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 QUESTIONS = (
-    feet_question(1, "euler", 1, 2, lambda a: 1 + a**2),
-    feet_question(2, "midpoint", 2, 3, lambda a: 1 + a**4 / 4),
-    feet_question(3, "rk4", 2, 5, lambda a: 1 - a**6 / 72 + a**8 / 576),
+    feet_question(1, "euler", 1, 2, lambda a: 1 + a**2, "1 + a²"),
+    feet_question(2, "midpoint", 2, 3, lambda a: 1 + a**4 / 4, "1 + a⁴/4"),
+    feet_question(3, "rk4", 2, 5, lambda a: 1 - a**6 / 72 + a**8 / 576, "1 − a⁶/72 + a⁸/576"),
     Question(
         "13.5",
         "step_matrix",

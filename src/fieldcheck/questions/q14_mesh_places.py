@@ -42,14 +42,30 @@ def copies(random: np.random.Generator, n: int, tolerance: float) -> np.ndarray:
     return points[random.permutation(len(points))]
 
 
+def chain(random: np.random.Generator, n: int, d: int, tolerance: float) -> np.ndarray:
+    """Return points along a line, neighbours nearer than the tolerance.
+
+    The first three are in order, so that each of them is near the one before; the others are not.
+    """
+    along = tolerance * (0.9 * np.arange(n) + random.uniform(-0.04, 0.04, n))
+    direction = random.normal(size=d)
+    points = np.outer(along, direction / np.sqrt(direction.dot(direction)))
+    return points[np.append([0, 1, 2], 3 + random.permutation(n - 3))] + random.normal(size=d)
+
+
 def weld_inputs(seed: int) -> tuple[Call, ...]:
     """Return points with exact copies, near copies, far from the origin, and without copies."""
     random = np.random.default_rng(seed)
     cloud = random.normal(size=(9, 3))
     exact = cloud[np.r_[random.permutation(9), random.permutation(9)[:5], 0, 0]]
+    close = np.vstack([cloud, cloud[:4] + 4e-10 * np.eye(4, 3), cloud[4:8]])
     return (
         Call("weld", (copies(random, 12, 1e-3), 1e-3), "points with near copies"),
         Call("weld", (exact, 0.0), "points with exact copies, and the tolerance zero", exact=(0,)),
+        Call("weld", (close, 0.0), "points 4·10⁻¹⁰ apart, and the tolerance zero", exact=(0,)),
+        Call("weld", (close, 1e-10), "points 4·10⁻¹⁰ apart, and the tolerance 10⁻¹⁰", exact=(0,)),
+        Call("weld", (chain(random, 9, 2, 0.1), 0.1), "a chain of nine points in the plane"),
+        Call("weld", (chain(random, 12, 3, 2.0), 2.0), "a chain of twelve points in space"),
         Call(
             "weld",
             (copies(random, 8, 0.5) + 1e6, 0.5),
@@ -60,8 +76,8 @@ def weld_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law(
-    "A vertex and the one that stands for it are no farther apart than the tolerance, "
-    "and no earlier vertex is so near."
+    "Each vertex must be replaced by one within the tolerance, and no earlier vertex may be within "
+    "the tolerance."
 )
 def is_the_first_coincident_vertex(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the number of vertices that map to no vertex, a distant one, or not the first one."""
@@ -97,8 +113,8 @@ def turn_inputs(seed: int) -> tuple[Call, ...]:
         "a sphere": flipped(random, ball(2, 5)),
         "a torus": flipped(random, ring()),
         "a sheet with sharp folds": flipped(random, folded(random)),
-        "a sheet in which nothing is wrong": sheet(2, 2),
-        "the strip of Möbius and a sphere": flipped(random, joined(band(1, 6), ball(2, 4))),
+        "a sheet without inverted triangles": sheet(2, 2),
+        "a Möbius strip and a sphere": flipped(random, joined(band(1, 6), ball(2, 4))),
         "three spheres": flipped(random, joined(ball(1, 4), ball(2, 3), ball(1, 5))),
     }
     calls = []
@@ -114,9 +130,30 @@ ONE_SIDED = (0, 0, 0, 0, 24, 0)
 """The number of triangles of these surfaces that belong to a one-sided part."""
 
 
+def firsts(triangles: np.ndarray) -> list[int]:
+    """Return the first triangle of each part that is connected across edges."""
+    at: dict[frozenset[int], list[int]] = {}
+    for k, side in enumerate(sides_by_name(triangles)):
+        at.setdefault(frozenset(side), []).append(k // 3)
+    first, groups = list(range(len(triangles))), [*at.values()]
+    while any(first[t] != first[g[0]] for g in groups for t in g):
+        for group in groups:
+            lowest = min(first[t] for t in group)
+            for t in group:
+                first[t] = lowest
+    return sorted(set(first))
+
+
+@law("The first triangle of each orientable part must stay: its sign must be +1.")
+def first_triangles_stay(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the number of parts whose first triangle was inverted."""
+    pairs = zip(calls, values, strict=True)
+    return float(sum((turn[firsts(call.arguments[1])] < 0).sum() for call, (turn,) in pairs))
+
+
 @law(
-    "Once they are turned, no two triangles run along an edge in the same direction; "
-    "and a part with one side has zeros."
+    "With these signs no two triangles may run along an edge in the same direction, and parts that "
+    "are not orientable must have zeros."
 )
 def makes_them_agree(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the number of sides with the direction of another one after the reversals."""
@@ -126,17 +163,18 @@ def makes_them_agree(calls: Sequence[Call], values: Sequence[Values]) -> float:
         wrong += abs(int((turn == 0).sum()) - one_sided) + int((np.abs(turn) > 1).sum())
         sides = sides_by_name(np.where(turn[:, None] < 0, triangles[:, ::-1], triangles)[turn != 0])
         wrong += len(sides) - len(set(sides))
-        wrong += one_sided == 0 and turn[0] != 1
     return float(wrong)
 
 
 # 14.7 Degenerate triangles
 
 
-def thin(random: np.random.Generator, base: float, height: float, foot: float) -> np.ndarray:
+def thin(
+    random: np.random.Generator, base: float, height: float, foot: float, first: int
+) -> np.ndarray:
     """Return the corners of a triangle; `foot` is the position of the foot of the height."""
     flat = np.array([[0, 0, 0], [base, 0, 0], [foot * base, height, 0]])
-    return flat[random.permutation(3)] @ np.linalg.qr(random.normal(size=(3, 3)))[
+    return np.roll(flat, first, axis=0) @ np.linalg.qr(random.normal(size=(3, 3)))[
         0
     ] + random.normal(size=3)
 
@@ -151,6 +189,11 @@ HEIGHTS = (
     (30, 1.7e-3, 0.3),
     (30, 7e-4, 0.3),
     (6e-4, 4e-4, 0.5),
+    *3 * ((0.003, 9e-4, 0.5),),
+    *3 * ((0.003, 1.1e-3, 0.4),),
+    *3 * ((1, 8e-4, 0.002),),
+    (10, 1e-6, 0.4),
+    (0.003, 2.5e-3, 0.5),
 )
 """Base, height and foot of the triangles that are tested with a tolerance of 0.001."""
 
@@ -158,7 +201,7 @@ HEIGHTS = (
 def flat_inputs(seed: int) -> tuple[Call, ...]:
     """Return large and small triangles, needles, caps, points, and repeated vertices."""
     random = np.random.default_rng(seed)
-    corners = [thin(random, *numbers) for numbers in HEIGHTS]
+    corners = [thin(random, *numbers, k % 3) for k, numbers in enumerate(HEIGHTS)]
     corners += [
         np.repeat(random.normal(size=(1, 3)), 3, axis=0),
         random.normal(size=(2, 3))[[0, 1, 0]],
@@ -170,22 +213,40 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
         Call(
             "flat",
             (points, named, 1e-3),
-            "triangles in metres, with a tolerance of a millimetre",
+            "triangles in metres, with a tolerance of 1 mm",
             exact=(0,),
         ),
         Call(
             "flat",
             (1e-3 * points[: small.size], small, 1e-6),
-            "triangles in kilometres, with a tolerance of a millimetre",
+            "triangles in kilometres, with a tolerance of 1 mm",
         ),
         Call("flat", (points[: small.size], small, 0.0), "the tolerance zero"),
+        *(
+            Call("flat", (size * points[: small.size], small, size * 1e-3), case)
+            for size, case in ((1e-9, "triangles in gigametres"), (1e-12, "tiny triangles"))
+        ),
+        Call(
+            "flat",
+            (points, named[np.r_[0, -4:0]], 0.0),
+            "equal corners, and the tolerance zero",
+            exact=(0,),
+        ),
     )
 
 
-FLAT = ((0, 0, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 0), (0, 0, 1, 1, 1, 0, 0, 1, 1), 9 * (0,))
+FLAT_OF_HEIGHTS = (0, 0, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 0, 0, 0, 1, 1, 1, 1, 0)
+FLAT = (
+    (*FLAT_OF_HEIGHTS, 1, 1, 1, 0),
+    FLAT_OF_HEIGHTS,
+    len(HEIGHTS) * (0,),
+    FLAT_OF_HEIGHTS,
+    FLAT_OF_HEIGHTS,
+    (0, 1, 1, 1, 0),
+)
 
 
-@law("The heights of these triangles are known.")
+@law("A triangle must be flat if and only if its smallest height is at most the tolerance.")
 def is_flat_as_made(_: Sequence[Call], values: Sequence[Values]) -> float:
     return max(float(np.abs(v - known).max()) for (v,), known in zip(values, FLAT, strict=True))
 
@@ -213,8 +274,8 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     calls = []
     for case, size, middle in (
-        ("ten lines and triangles", 1.0, 0.0),
-        ("the same, small and far from the origin", 1e-3, 5.0),
+        ("ten segments and triangles", 1.0, 0.0),
+        ("ten small segments and triangles away from the origin", 1e-3, 5.0),
     ):
         corners = random.normal(size=(10, 3, 3))
         corners[:, 1:] = (
@@ -229,15 +290,34 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
         calls.append(
             Call("pierced", (*(middle + size * e for e in ends), middle + size * corners), case)
         )
+    for case, axes, offset in (
+        ("segments that end in the plane or lie in it", [0, 1, 2], 0),
+        ("segments that end in an upright plane or lie in it", [2, 0, 1], 3),
+    ):
+        start, end, triangle = (
+            np.array(numbers, dtype=float)[..., axes] + offset for numbers in (FROM, TO, TRIANGLE)
+        )
+        corners = np.tile(triangle, (len(start), 1, 1))
+        calls.append(Call("pierced", (start, end, corners), case, exact=(0, 1, 2)))
     return tuple(calls)
 
 
-GOES_THROUGH = (1, 1, 0, 0, 0, 0, 0, 0, 1, 0)
+TRIANGLE = ((0, 0, 0), (4, 0, 0), (0, 4, 0))
+FROM = ((1, 1, 2), (1, 1, 0), (1, 2, -3), (5, 5, 0), (5, 1, 2), (1, 1, 3), (-3, -1, 0), (2, 1, -1))
+TO = ((1, 1, -2), (1, 1, 3), (1, 2, 0), (6, 7, 0), (5, 1, -2), (1, 2, 1), (-1, -2, 0), (1, 1, 1))
+"""Ends of segments about this triangle."""
+THROUGH_OR_NOT = (1, 1, 0, 0, 0, 0, 0, 0, 1, 0)
+IN_THE_PLANE_OR_NOT = (1, 0, 0, 0, 0, 0, 0, 1)
+GOES_THROUGH = (*2 * (THROUGH_OR_NOT,), *2 * (IN_THE_PLANE_OR_NOT,))
 
 
-@law("It is known which of these lines go through their triangle.")
+@law(
+    "A segment passes through if and only if its ends are strictly on different sides of the plane "
+    "and it meets the plane inside the triangle."
+)
 def goes_through_as_made(_: Sequence[Call], values: Sequence[Values]) -> float:
-    return max(float(np.abs(v - np.array(GOES_THROUGH)).max()) for (v,) in values)
+    pairs = zip(values, GOES_THROUGH, strict=True)
+    return max(float(np.abs(v - np.array(known)).max()) for (v,), known in pairs)
 
 
 QUESTIONS = (
@@ -255,7 +335,7 @@ QUESTIONS = (
         4,
         turn_inputs,
         lambda call: ((len(call.arguments[1]),),),
-        (makes_them_agree,),
+        (makes_them_agree, first_triangles_stay),
     ),
     Question(
         "14.7",

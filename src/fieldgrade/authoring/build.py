@@ -12,13 +12,16 @@ import nbformat
 from fieldcheck.questions import questions
 from fieldgrade.authoring.bundle import student_tree
 from fieldgrade.authoring.catalogue import entries
+from fieldgrade.authoring.course_map import DIAGRAM, PAGE, map_diagram, map_page
 from fieldgrade.authoring.hidden_cases import hidden_cases
 from fieldgrade.authoring.known_answers import answers_file, same_answers
 from fieldgrade.authoring.leaks import code_leaks, long_numbers, number_leaks
 from fieldgrade.authoring.notebooks import execute, solved_notebook, stub, student_notebook, to_text
+from fieldgrade.authoring.orientation import table
+from fieldgrade.authoring.outline import Outline
 from fieldgrade.authoring.sources import Source, sources
 from fieldgrade.authoring.trials import trials
-from fieldrecon._core.atomic_files import write_atomically
+from fieldrecon._core.atomic_files import write_if_changed
 from fieldrecon._core.digests import bytes_digest, json_digest
 
 Each = Callable[[Callable[[Source], None], list[Source]], Iterable[None]]
@@ -49,22 +52,37 @@ def require_questions(source: Source) -> None:
         )
 
 
+def require_outline(source: Source) -> None:
+    """Raise ValueError if the outline of a source is incomplete, or its core too long."""
+    problems = Outline(source).problems()
+    if problems:
+        raise ValueError("; ".join(problems))
+
+
 def build(root: Path, chosen: list[Source], each: Each = map) -> None:
     """Write exercises, known answers, stubs, and executed solutions that are out of date.
 
     Raises
     ------
     ValueError
-        A part of a solution would reach the students. No file is written.
+        An outline is incomplete, or a part of a solution would reach the students. No file is
+        written.
     """
-    files = {root / "src/fieldcheck/stubs.json": stubs_file(root)}
+    for source in chosen:
+        require_outline(source)
+    files = {
+        root / "src/fieldcheck/stubs.json": stubs_file(root),
+        root / "src/fieldcheck/outline.json": outline_file(root),
+        root / PAGE: map_page(all_sources(root)),
+        root / DIAGRAM: map_diagram(all_sources(root)),
+    }
     for source in chosen:
         files |= student_files(root, source)
     problems = list(dict.fromkeys(leaks(root, "fieldrecon", files)))
     if problems:
         raise ValueError("files for students would contain solutions: " + "; ".join(problems))
     for file, text in files.items():
-        _write(file, text)
+        write_if_changed(file, text.encode())
     list(each(lambda source: _solve(root, source), chosen))
 
 
@@ -93,6 +111,12 @@ def stubs_file(root: Path) -> str:
     return json.dumps(cells, indent=0, ensure_ascii=False) + "\n"
 
 
+def outline_file(root: Path) -> str:
+    """Return the text of ``fieldcheck/outline.json``: the names of the optional questions."""
+    items = (item for source in all_sources(root) for item in Outline(source).optional)
+    return json.dumps({"optional": [item.question for item in items]}, indent=0) + "\n"
+
+
 def solved_file(root: Path, source: Source) -> Path:
     """Return the path of the executed solution."""
     return root / "solutions" / f"{source.name}.ipynb"
@@ -113,8 +137,10 @@ def ingredients(root: Path, source: Source) -> str:
     files = [*sorted(package.glob("*.py")), *sorted(package.glob("*.js"))]
     files += [package / "answers" / f"{source.number}.json"]
     files += sorted((package / "questions").glob(f"q{source.number}_*.py"))
-    files += [Path(__file__).with_name("notebooks.py")]
-    return json_digest(*(bytes_digest(file.read_bytes()) for file in [source.path, *files]))
+    makers = ("notebooks.py", "orientation.py", "outline.py")
+    files += [Path(__file__).with_name(maker) for maker in makers]
+    digests = (bytes_digest(file.read_bytes()) for file in [source.path, *files])
+    return json_digest(*digests, table(Outline(source)))
 
 
 def solve(root: Path, source: Source) -> str:
@@ -126,7 +152,7 @@ def solve(root: Path, source: Source) -> str:
 
 def _solve(root: Path, source: Source) -> None:
     if not is_solved(root, source):
-        _write(solved_file(root, source), solve(root, source))
+        write_if_changed(solved_file(root, source), solve(root, source).encode())
 
 
 def leaks(root: Path, salt: str, made: Mapping[Path, str] = NOTHING) -> Iterator[str]:
@@ -154,9 +180,3 @@ def leaks(root: Path, salt: str, made: Mapping[Path, str] = NOTHING) -> Iterator
                 tried = trials(question, functions, mistakes, hidden, "leak", salt)
                 for trial in tried[1:]:
                     yield from number_leaks(trial.calls, trial.answers.right, written)
-
-
-def _write(file: Path, text: str) -> None:
-    """Write a file if its text is another; an unchanged file keeps its time for make."""
-    if not file.is_file() or file.read_text(encoding="utf-8") != text:
-        write_atomically(file, text.encode())

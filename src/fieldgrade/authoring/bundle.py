@@ -6,6 +6,7 @@ import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
+from fieldgrade.authoring.course_map import DIAGRAM, NOTEBOOKS, PAGE
 from fieldrecon._core.atomic_files import whole_file
 
 FOLDER = "field-reconstruction"
@@ -23,6 +24,8 @@ def student_tree(root: Path) -> Iterator[tuple[str, Path]]:
         if path.suffix in (".py", ".js", ".json", ".typed"):
             yield f"fieldcheck/{path.relative_to(package).as_posix()}", path
     yield "README.md", root / "docs" / "students.md"
+    yield "course.md", root / PAGE
+    yield f"images/{DIAGRAM.name}", root / DIAGRAM
     yield "LICENSE", root / "LICENSE"
 
 
@@ -33,10 +36,16 @@ def write_bundle(root: Path, file: Path) -> Path:
         zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as bundle,
     ):
         for name, path in student_tree(root):
-            _add(bundle, name, path.read_bytes())
+            _add(bundle, name, _content(path))
         _add(bundle, "requirements.txt", REQUIREMENTS.encode())
         _add(bundle, "student.txt", STUDENT.encode())
     return file
+
+
+def _content(path: Path) -> bytes:
+    """Return the content of a file; in the bundle the map is beside the notebooks."""
+    content = path.read_bytes()
+    return content.replace(f"({NOTEBOOKS}".encode(), b"(") if path.name == PAGE.name else content
 
 
 def _add(bundle: zipfile.ZipFile, name: str, content: bytes) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import keyword
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from functools import cache
@@ -25,6 +26,10 @@ WORDS = 12
 """The same for words of a model answer or a rubric."""
 SIGNIFICANT, MOST_SIGNIFICANT = 9, 12
 """Numbers are equal if they agree in all written digits, and at least this many are written."""
+ENOUGH = 2
+"""Distinct numbers of one array that count as a leak: one may agree by chance."""
+SHORT_BITS = 24
+"""Numbers with at most so many binary digits are not secret; a random one has 53."""
 LONG_NUMBER = re.compile(r"-?\d*\.?\d+(?:e[-+]?\d+)?", re.IGNORECASE)
 TOKEN = re.compile(
     r"(?P<word>(?:\.?[^\W\d]\w*)+|\.?\d[\w.]*(?:(?<=[eE])[-+]\d+)?|\*\*|//|[=!<>]=|[-+*/@%<>&|^~])"
@@ -81,7 +86,9 @@ def _first_on_each_line(
 def number_leaks(
     calls: Sequence[Call], answers: Sequence[Values], written: Mapping[str, Set[str]]
 ) -> Iterator[str]:
-    """Yield each file for students with a number of a hidden input, or of the answer to one.
+    """Yield each file for students with numbers of a hidden input, or of the answer to one.
+
+    A file holds an array if it has `ENOUGH` of its distinct numbers, or all if there are fewer.
 
     Parameters
     ----------
@@ -91,10 +98,13 @@ def number_leaks(
         The long numbers in the files, by the names of the files.
     """
     arrays = [np.asarray(a, dtype=float) for call in calls for a in call.arguments]
-    secret = _long([*arrays, *(v for values in answers for v in values)])
-    for name, numbers in written.items():
-        if found := numbers & secret:
-            yield f"{name} holds a number of a hidden case: {min(found)}"
+    for array in chain(arrays, *answers):
+        secret = _secret_numbers(array)
+        enough = min(ENOUGH, len(set(secret.values())))
+        for name, numbers in written.items():
+            found = {secret[digits] for digits in numbers & secret.keys()}
+            if found and len(found) >= enough:
+                yield f"{name} holds numbers of a hidden case: {sorted(found)[:ENOUGH]}"
 
 
 def long_numbers(text: str) -> set[str]:
@@ -205,11 +215,21 @@ def word_runs(text: str) -> Mapping[TokenRun, int]:
     return _first_lines((tuple(word for word, _ in run), run[0][1]) for run in runs)
 
 
-def _long(arrays: Iterable[np.ndarray]) -> set[str]:
-    """Return the numbers that need all digits; short ones such as 0.5 are not secret."""
-    numbers = {float(x) for array in arrays for x in np.ravel(array)}
-    secret = [x for x in numbers if np.isfinite(x) and float(f"{x:.6g}") != x]
-    return {_digits(x, k) for x in secret for k in range(SIGNIFICANT, MOST_SIGNIFICANT + 1)}
+def _secret_numbers(array: np.ndarray) -> dict[str, float]:
+    """Return the numbers of an array that need all digits, by each way of writing them.
+
+    A number is not secret if it is short in decimal digits, such as 0.5, or in binary digits, such
+    as -1.1e-16 = -2⁻⁵³: the rounding error of a difference is a small multiple of a power of two.
+    """
+    numbers = {float(x) for x in np.ravel(array) if np.isfinite(x)}
+    secret = [x for x in numbers if float(f"{x:.6g}") != x and not _is_dyadic(x)]
+    return {_digits(x, k): x for x in secret for k in range(SIGNIFICANT, MOST_SIGNIFICANT + 1)}
+
+
+def _is_dyadic(x: float) -> bool:
+    """Whether a number is m 2ᵉ with an integer m of at most `SHORT_BITS` bits."""
+    mantissa, _ = math.frexp(x)
+    return math.ldexp(mantissa, SHORT_BITS).is_integer()
 
 
 def _digits(x: float, count: int) -> str:

@@ -13,6 +13,8 @@ from typing import Any
 
 import nbformat
 
+from fieldgrade.authoring.orientation import with_orientation
+from fieldgrade.authoring.outline import Outline
 from fieldgrade.authoring.sources import REGION, Cell, Source
 from fieldrecon._core.digests import bytes_digest
 from fieldreport.build.pinned_kernels import pins, with_pins
@@ -93,7 +95,9 @@ def _notebook(source: Source, cells: Any) -> nbformat.NotebookNode:
     make = {"markdown": nbformat.v4.new_markdown_cell, "code": nbformat.v4.new_code_cell}
     made: list[nbformat.NotebookNode] = []
     seen: set[str] = set()
-    for cell, text in cells:
+    outline = Outline(source)
+    for cell, plain in cells:
+        text = with_orientation(outline, cell, plain)
         node = make[cell.kind](text)
         node["id"] = _identifier(source, cell, text, seen)
         node["metadata"] = nbformat.from_dict(_cell_metadata(cell))

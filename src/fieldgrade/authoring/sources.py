@@ -2,13 +2,14 @@
 
 The header of a cell says what it is::
 
-    # %% tags=["setup"]                     imports, run before the answers
-    # %% question="02.3"                    a function that the student writes
-    # %% [markdown] answer="02.7" points=2  a model answer in words
-    # %% [markdown] rubric="02.7"           how it is graded; for instructors
+    # %% tags=["setup"]                                          imports, run before the answers
+    # %% question="02.3" minutes=10                              a function that the student writes
+    # %% [markdown] answer="02.7" points=2 minutes=10 words=60   a model answer in words
+    # %% [markdown] rubric="02.7"                                how it is graded; for instructors
 
-All other cells are the same in both notebooks. The solution is between ``# BEGIN SOLUTION`` and
-``# END SOLUTION``.
+The word ``optional`` at the end of the header of a question marks it as optional. All other cells
+are the same in both notebooks. The solution is between ``# BEGIN SOLUTION`` and
+``# END SOLUTION``. The front matter declares what the notebook builds on (`outline`).
 """
 
 from __future__ import annotations
@@ -22,8 +23,34 @@ from typing import Any
 
 BEGIN, END = "# BEGIN SOLUTION", "# END SOLUTION"
 REGION = re.compile(rf"^(?P<indent> *){BEGIN}\n(?P<body>.*?)^ *{END}\n?", re.MULTILINE | re.DOTALL)
-WORDS = re.compile(r'^# %% \[markdown\] answer="(.+?)"(?: points=(\S+))?$', re.MULTILINE)
+ASKED = re.compile(r'^# %% (?:\[markdown\] )?(question|answer)="(.+?)"(.*)$', re.MULTILINE)
+NUMBER = re.compile(r"(points|minutes|words)=(\S+)")
+HEADING = re.compile(r"^# #+ (\d\d\.\d+) (.+)$", re.MULTILINE)
 NAME = re.compile(r"\d\d_\w+\.py")
+IN_WORDS = "Answer in words"
+"""The title of a question without a heading of its own."""
+
+
+@dataclass(frozen=True)
+class Header:
+    """What the header of a cell declares about a question.
+
+    Parameters
+    ----------
+    question : str
+        ``"02.3"``.
+    is_in_words : bool
+        Whether the answer is written in words.
+    is_optional : bool
+        Whether it is optional.
+    numbers : dict
+        The declared points, minutes and words.
+    """
+
+    question: str
+    is_in_words: bool
+    is_optional: bool
+    numbers: dict[str, float]
 
 
 @dataclass(frozen=True)
@@ -87,12 +114,21 @@ class Source:
         return self.name.partition("_")[0]
 
     @cached_property
-    def cells(self) -> tuple[Cell, ...]:
-        """All cells in order."""
+    def _notebook(self) -> Any:
         import jupytext
 
-        notebook = jupytext.read(self.path, fmt="py:percent")
-        return tuple(Cell(c.cell_type, c.source, dict(c.metadata)) for c in notebook.cells)
+        return jupytext.read(self.path, fmt="py:percent")
+
+    @cached_property
+    def cells(self) -> tuple[Cell, ...]:
+        """All cells in order."""
+        cells = self._notebook.cells
+        return tuple(Cell(c.cell_type, c.source, dict(c.metadata)) for c in cells)
+
+    @property
+    def front_matter(self) -> dict[str, Any]:
+        """The entry ``course`` of the front matter."""
+        return dict(self._notebook.metadata.get("course", {}))
 
     @property
     def title(self) -> str:
@@ -100,10 +136,30 @@ class Source:
         return self.cells[0].text.partition("\n")[0].lstrip("# ")
 
     @cached_property
+    def headers(self) -> dict[str, Header]:
+        """What the headers declare about the questions, without reading the rest of the source."""
+        found = ASKED.findall(self.path.read_text(encoding="utf-8"))
+        return {
+            question: Header(
+                question,
+                kind == "answer",
+                rest.endswith(" optional"),
+                {name: float(number) for name, number in NUMBER.findall(rest)},
+            )
+            for kind, question, rest in found
+        }
+
+    @property
     def written_points(self) -> dict[str, float]:
         """The points of the questions with written answers, from the headers alone."""
-        found = WORDS.findall(self.path.read_text(encoding="utf-8"))
-        return {question: float(points or 0) for question, points in found}
+        written = (header for header in self.headers.values() if header.is_in_words)
+        return {header.question: header.numbers.get("points", 0.0) for header in written}
+
+    @cached_property
+    def question_titles(self) -> dict[str, str]:
+        """The titles of the questions, from the headings alone: ``{"01.1": "The matrix", …}``."""
+        headings = HEADING.findall(self.path.read_text(encoding="utf-8"))
+        return dict.fromkeys(self.written_points, IN_WORDS) | dict(headings)
 
     def answer_cells(self) -> dict[str, Cell]:
         """Return the cells with the requested functions, by question."""

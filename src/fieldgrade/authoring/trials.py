@@ -21,7 +21,7 @@ PUBLIC, OWN = "public cases", "own inputs"
 """The names of the first two checks of every question; hidden cases have their own names."""
 
 REVEALING = ("exception", "endless", "type", "shape", "not finite", "wrong", "slow")
-"""Rungs whose sentence would reveal a hidden input."""
+"""Outcomes whose sentence would reveal a hidden input."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Trial:
 
     def without_hidden_inputs(self, verdict: Verdict) -> Verdict:
         """Return a verdict whose sentence does not reveal hidden inputs."""
-        if self.sentence and verdict.rung in REVEALING:
+        if self.sentence and verdict.finding in REVEALING:
             return replace(verdict, sentence=self.sentence, call=None)
         return verdict
 

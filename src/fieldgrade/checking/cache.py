@@ -15,11 +15,13 @@ from pathlib import Path
 from typing import Any, get_args
 
 from fieldcheck.seeds import seed
-from fieldcheck.verdict import Rung, Verdict
-from fieldgrade.checking.check_results import CheckResult
+from fieldcheck.verdict import Finding, Verdict
+from fieldgrade.checking.check_results import CellReport, CheckResult
 from fieldgrade.checking.course import Course
 from fieldgrade.checking.dependency_digests import environment_digest, grader_digest
+from fieldgrade.isolation.process import CellError
 from fieldgrade.isolation.server import Server
+from fieldgrade.sandbox.missing import validated
 from fieldgrade.submissions.submission import Submission
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.digests import json_digest
@@ -35,6 +37,7 @@ def keys(course: Course, server: Server, submission: Submission, question: str) 
         seed(submission.student, question, course.salt),
         server.tier,
         vars(server.limits),
+        [course.made_by(earlier) for earlier in course.given(question)],
     )
     made_by = course.checks(question)
     return {check: json_digest(around, check, made) for check, made in made_by.items()}
@@ -78,9 +81,12 @@ def _check_result(data: Any) -> CheckResult | None:
     """Return a cached result; None if it is damaged."""
     try:
         verdict = Verdict(**data["verdict"])
-        errors = tuple((int(n), str(text)) for n, text in data["cell_errors"])
+        errors = tuple(CellError(**error) for error in data["cells"]["errors"])
+        missing = validated(data["cells"]["missing"])
+        cells = CellReport(errors, missing, tuple(data["cells"]["notes"]))
         broke, returned = tuple(map(str, data["broke"])), tuple(data["returned"])
-        found = CheckResult(verdict, str(data["check"]), broke, errors, returned)
+        given = tuple(map(str, data["given"]))
+        found = CheckResult(verdict, str(data["check"]), broke, cells, returned, given)
     except (ValueError, KeyError, TypeError):
         return None
-    return found if verdict.rung in get_args(Rung) else None
+    return found if verdict.finding in get_args(Finding) else None

@@ -7,6 +7,27 @@ from dataclasses import dataclass
 from typing import Any
 
 from fieldcheck.verdict import Verdict
+from fieldgrade.isolation.process import CellError
+from fieldgrade.sandbox.missing import NOTHING, Missing
+
+
+@dataclass(frozen=True)
+class CellReport:
+    """What is reported about the cells of a submission.
+
+    Parameters
+    ----------
+    errors : tuple of CellError
+        The first error of each cell that has one.
+    missing : Missing
+        Modules, files and fonts that the code needs and that are not there.
+    notes : tuple of str
+        Sentences on stubs and cells that were left out, and on files that are not used.
+    """
+
+    errors: tuple[CellError, ...] = ()
+    missing: Missing = NOTHING
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -21,17 +42,20 @@ class CheckResult:
         The name of the check if the answer failed it, else empty.
     broke : tuple of str
         Why processes were killed in cells or in calls of this check.
-    cell_errors : tuple of (int, str)
-        Errors of code cells, by the number of the cell.
+    cells : CellReport
+        What is reported about the cells, which ran before the calls.
     returned : tuple of mapping
         The wrong values on the public case with the largest difference, for a picture.
+    given : tuple of str
+        The earlier questions whose right functions the answer was given.
     """
 
     verdict: Verdict
     check: str = ""
     broke: tuple[str, ...] = ()
-    cell_errors: tuple[tuple[int, str], ...] = ()
+    cells: CellReport = CellReport()
     returned: tuple[Mapping[str, Any], ...] = ()
+    given: tuple[str, ...] = ()
 
 
 CheckResults = Mapping[str, Mapping[str, CheckResult]]

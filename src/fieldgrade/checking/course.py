@@ -8,10 +8,12 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from fieldcheck.earlier_answers import earlier_questions
 from fieldcheck.question import Question
 from fieldcheck.questions import questions
 from fieldgrade.authoring.catalogue import Entry, entries
 from fieldgrade.authoring.hidden_cases import Hidden, hidden_cases
+from fieldgrade.authoring.solution_calls import solution_calls
 from fieldgrade.authoring.sources import Source
 from fieldgrade.authoring.trials import OWN, PUBLIC, Trial, asked_by, public_trial, trials
 from fieldgrade.checking.dependency_digests import dependency_digest
@@ -60,6 +62,14 @@ class Course:
     def solution(self, name: str) -> dict[str, Any]:
         """Return the functions of the solution of a question's notebook."""
         return _material(self.source(name.partition(".")[0]).path).functions
+
+    def given(self, name: str) -> tuple[str, ...]:
+        """Return the earlier questions whose right functions an answer may be given.
+
+        They are those that the solution calls, and those that the question names, so that calling
+        them does not replace an answer.
+        """
+        return _given(self.source(name.partition(".")[0]).path, name)
 
     def made_by(self, name: str) -> str:
         """Return the digest of all that a verdict depends on, except the answer."""
@@ -112,6 +122,15 @@ def _material(path: Path) -> _Material:
 def _public(path: Path, name: str) -> Trial:
     made = _material(path)
     return public_trial(questions()[name], made.functions, made.mistakes)
+
+
+@cache
+def _given(path: Path, name: str) -> tuple[str, ...]:
+    question = questions()[name]
+    called = {other.name for other in solution_calls(question, _material(path).functions)}
+    return tuple(
+        q.name for q in earlier_questions(question) if q.name in {*called, *question.may_call}
+    )
 
 
 @cache

@@ -129,8 +129,12 @@ def _is_ours(module: str | None) -> bool:
     if name.partition(".")[0] in OURS or name not in sys.modules:
         return name != ""
     file = getattr(sys.modules[name], "__file__", None)
-    libraries = {sysconfig.get_path(name) for name in ("stdlib", "platlib", "purelib")}
-    return file is not None and not any(Path(file).is_relative_to(p) for p in libraries)
+    return file is not None and not any(Path(file).is_relative_to(p) for p in _libraries())
+
+
+@cache
+def _libraries() -> set[str]:
+    return {sysconfig.get_path(name) for name in ("stdlib", "platlib", "purelib")}
 
 
 @cache

@@ -15,7 +15,7 @@ on the solution.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -27,9 +27,12 @@ from fieldcheck.question import Question
 from fieldcheck.questions import get
 from fieldcheck.shapes import fitted, in_words
 from fieldcheck.verdict import Verdict
+from fieldgrade.authoring.right_functions import RightFunctions
+from fieldgrade.checking.course import Course
 from fieldgrade.checking.dependency_digests import dependency_digest
 from fieldgrade.checking.results import Grade, Record
 from fieldgrade.isolation import worker_servers
+from fieldgrade.isolation.process import Program
 from fieldgrade.isolation.server import Server
 from fieldgrade.isolation.session import CallGroup, run
 from fieldgrade.submissions.submission import Submission
@@ -94,17 +97,33 @@ class InstructorCheckResult:
     passed: bool
 
 
-def answer_of_submission(server: Server, submission: Submission) -> Answer:
-    """Return a function that calls a submission in the sandbox, each call in a new process."""
+def answer_of_submission(
+    server: Server, submission: Submission, given: Mapping[str, RightFunctions] | None = None
+) -> Answer:
+    """Return a function that calls a submission in the sandbox, each call in a new process.
+
+    The answers to some questions may be `given` right functions of earlier questions.
+    """
+    program = Program(submission.sources, tuple(submission.files()))
 
     def outcome(question: Question, call: Call) -> Outcome:
-        task = CallGroup("check", (call,), TIMEOUT_FACTOR * question.limit)
+        seconds, functions = TIMEOUT_FACTOR * question.limit, (given or {}).get(question.name)
+        task = CallGroup("check", (call,), seconds, given=functions)
         outcomes, _ = worker_servers.with_server(
-            server.tier, server.limits, lambda s: run(s, submission.cells, [task])
+            server.tier, server.limits, lambda s: run(s, program, [task])
         )
         return outcomes["check"][0]
 
     return _answer(outcome)
+
+
+def given_functions(course: Course, grade: Grade) -> dict[str, RightFunctions]:
+    """Return the right functions that an answer was given when it was graded, by its question."""
+    if not grade.given:
+        return {}
+    functions = [get(earlier).function for earlier in grade.given]
+    path = course.source(get(grade.question).notebook).path
+    return {grade.question: RightFunctions(path, functions)}
 
 
 def answer_of_solution(functions: dict[str, Any]) -> Answer:

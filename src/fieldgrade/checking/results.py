@@ -16,17 +16,25 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from fieldcheck.verdict import Verdict
+from fieldgrade.isolation.process import CellError
 from fieldgrade.isolation.server import Tier
+from fieldgrade.sandbox.missing import NOTHING, Missing, validated
 from fieldrecon._core.atomic_files import write_atomically
 
-FORMAT, VERSION = "fieldrecon results", 1
+FORMAT, VERSION = "fieldrecon results", 3
 NUMBERED = re.compile(r"\d{4,}\.json")
 
 Status = Literal[
-    "graded", "partly", "unreadable", "killed: time", "killed: memory", "killed: output", "fault"
+    "graded",
+    "partly",
+    "unreadable",
+    "killed: time",
+    "killed: memory",
+    "killed: output",
+    "grader failed",
 ]
 STATUSES: tuple[Status, ...] = get_args(Status)
-"""``fault``: the grader failed, and the submission is still to be graded."""
+"""``grader failed``: the grader failed, and the submission is still to be graded."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +56,12 @@ class Grade:
         Digest of all that the verdict depends on, except the answer itself.
     returned : tuple of mapping
         Wrong values on a public case, for a picture: shape and numbers of each array.
+    cause : str
+        For a function that is missing, or that stops since a name is: the error of the cell that
+        should have defined it. Empty if the verdict says it all.
+    given : tuple of str
+        The earlier questions whose wrong functions the grader replaced by right ones for this
+        answer, so that a mistake there costs points once.
     """
 
     question: str
@@ -57,6 +71,8 @@ class Grade:
     check: str = ""
     made_by: str = ""
     returned: tuple[Mapping[str, Any], ...] = ()
+    cause: str = ""
+    given: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -78,7 +94,13 @@ class Record:
     notes : tuple of str
         Notes for the instructor, such as a stub after a working answer.
     code : str
-        Digest of the code of its cells.
+        Digest of the code of its cells and helper files.
+    cell_errors : tuple of CellError
+        The first error of each cell that has one.
+    missing : Missing
+        Modules, files and fonts that the code needs and that are not there.
+    helper_files : tuple of str
+        The files submitted beside it that its code could import or read.
     received, received_by : str
         The time of receipt, and its source: ``"list"``, ``"platform"``, ``"zip"``, ``"file"``.
     late_mark : bool
@@ -98,6 +120,9 @@ class Record:
     grades: tuple[Grade, ...] = ()
     notes: tuple[str, ...] = ()
     code: str = ""
+    cell_errors: tuple[CellError, ...] = ()
+    missing: Missing = NOTHING
+    helper_files: tuple[str, ...] = ()
     received: str = ""
     received_by: str = ""
     late_mark: bool = False
@@ -116,7 +141,14 @@ class Record:
         return sum(grade.possible for grade in self.grades)
 
 
-VERDICT_FIELDS = ("rung", "sentence", "mistake", "call")
+VERDICT_FIELDS = {
+    "outcome": "finding",
+    "sentence": "sentence",
+    "mistake": "mistake",
+    "call": "call",
+}
+"""The attributes of a verdict by their names in the file."""
+LISTS = ("notes", "cell_errors", "helper_files")
 MEASURED = ("seconds", "cpu_seconds", "peak")
 """Measurements, which differ between runs: they are in the ledger, not in the results."""
 
@@ -163,12 +195,15 @@ def record_to_json(record: Record) -> dict[str, Any]:
     data = {k: v for k, v in asdict(replace(record, grades=())).items() if k not in MEASURED}
     grades = [_grade_to_json(grade) for grade in record.grades]
     sums = {"points": record.points, "possible": record.possible}
-    return data | sums | {"notes": list(record.notes), "grades": grades}
+    lists: dict[str, Any] = {name: [*data[name]] for name in LISTS}
+    lists["missing"] = {kind: [*names] for kind, names in data["missing"].items()}
+    return data | sums | lists | {"grades": grades}
 
 
 def _grade_to_json(grade: Grade) -> dict[str, Any]:
-    verdict = {name: getattr(grade.verdict, name) for name in VERDICT_FIELDS}
-    return asdict(grade) | {"verdict": verdict, "returned": list(grade.returned)}
+    verdict = {name: getattr(grade.verdict, own) for name, own in VERDICT_FIELDS.items()}
+    lists = {"returned": [*grade.returned], "given": [*grade.given]}
+    return asdict(grade) | {"verdict": verdict} | lists
 
 
 def from_json(data: Any) -> Results:
@@ -179,10 +214,7 @@ def from_json(data: Any) -> Results:
     ValueError
         The data do not conform to the schema, or have a later version.
     """
-    if not isinstance(data, dict) or data.get("format") != FORMAT:
-        raise ValueError("this is not a file of results")
-    if data.get("version") != VERSION:
-        raise ValueError(f"results of version {data.get('version')}; version {VERSION} is known")
+    _require_version(data)
     problem = invalid(data)
     if problem:
         raise ValueError(f"the results are damaged: {problem}")
@@ -191,16 +223,48 @@ def from_json(data: Any) -> Results:
     return Results(records, tuple(data["students"]), tuple(data["questions"]), **plain)
 
 
+def require_known_version(file: Path) -> None:
+    """Refuse a file of results that another version wrote, without reading all of it.
+
+    Raises
+    ------
+    ValueError
+        The version is not `VERSION`, or the file is damaged; the message names the file.
+    """
+    try:
+        _require_version(json.loads(file.read_text(encoding="utf-8")))
+    except ValueError as error:
+        raise ValueError(f"{file}: {error}") from None
+
+
+def _require_version(data: Any) -> None:
+    """Refuse results of another version: their fields have other names or other meanings."""
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise ValueError("this is not a file of results")
+    version = data.get("version")
+    if version != VERSION:
+        raise ValueError(
+            f"the results have version {version}, and this program reads version {VERSION}: they "
+            "were written by another version of fieldrecon. Grade all submissions again into a new "
+            "folder: fieldrecon grade DIR --out NEW"
+        )
+
+
 def record_from_json(data: Mapping[str, Any]) -> Record:
     """Return the record that `record_to_json` wrote."""
     kept = {k: v for k, v in data.items() if k not in ("points", "possible")}
     grades = tuple(map(_grade_from_json, data["grades"]))
-    return Record(**kept | {"grades": grades, "notes": tuple(data["notes"])})
+    lists = {name: tuple(data.get(name, ())) for name in LISTS}
+    errors = {"cell_errors": tuple(CellError(**error) for error in lists["cell_errors"])}
+    missing = {"missing": validated(data["missing"])}
+    return Record(**kept | lists | errors | missing | {"grades": grades})
 
 
 def _grade_from_json(data: Mapping[str, Any]) -> Grade:
-    verdict = Verdict(data["question"], **data["verdict"])
-    return Grade(**{**data, "verdict": verdict, "returned": tuple(data["returned"])})
+    fields = {own: data["verdict"][name] for name, own in VERDICT_FIELDS.items()}
+    verdict = Verdict(data["question"], **fields)
+    lists = {name: tuple(data.get(name, ())) for name in ("returned", "given")}
+    return Grade(**{**data, "verdict": verdict} | lists)
 
 
 @cache

@@ -23,6 +23,7 @@ def read_table(
     needed: Sequence[str],
     known: Sequence[str] = (),
     unique: Sequence[str] = (),
+    distinct: Sequence[str] = (),
 ) -> list[T]:
     """Return the parsed lines of a CSV file.
 
@@ -42,6 +43,8 @@ def read_table(
         Optional columns; any other column is an error.
     unique : sequence of str
         Columns that together must not be equal in two lines.
+    distinct : sequence of str
+        Columns each of which must not be equal in two lines, unless it is empty.
 
     Raises
     ------
@@ -56,10 +59,11 @@ def read_table(
     found: list[T] = []
     problems: list[str] = []
     first: dict[tuple[str, ...], int] = {}
+    groups = [tuple(unique), *((column,) for column in distinct)]
     for number, cells in lines[1:]:
         try:
             row = _row(columns, cells, needed)
-            _require_unique(row, unique, number, first)
+            _require_unique(row, groups, number, first)
             found.append(parse(row))
         except ValueError as error:
             problems.append(f"{path.name}:{number}: {error}")
@@ -207,18 +211,21 @@ def _require_columns(
 
 
 def _require_unique(
-    row: Row, unique: Sequence[str], number: int, first: dict[tuple[str, ...], int]
+    row: Row, groups: Iterable[Sequence[str]], number: int, first: dict[tuple[str, ...], int]
 ) -> None:
-    cells = tuple(row[name] for name in unique)
-    before = first.setdefault(tuple(cell.lower() for cell in cells), number)
-    if cells and before != number:
-        raise ValueError(f"{', '.join(cells)} is already in line {before}")
+    for names in groups:
+        cells = [row.get(name, "") for name in names]
+        before = first.setdefault((*names, *(cell.lower() for cell in cells)), number)
+        if before != number and all(cells) and cells:
+            raise ValueError(f"{', '.join(names)} {', '.join(cells)} is already in line {before}")
 
 
 def _row(columns: Sequence[str], cells: Sequence[str], needed: Sequence[str]) -> Row:
     if len(cells) > len(columns):
         raise ValueError(f"the line has {len(cells)} cells for {len(columns)} columns")
     row = dict.fromkeys(columns, "") | dict(zip(columns, cells, strict=False))
+    if row.get("notebook", "").isdecimal():  # so that 1 and 01 are equal
+        row["notebook"] = row["notebook"].zfill(2)
     empty = [name for name in needed if not row[name]]
     if empty:
         raise ValueError(f"column {', '.join(empty)} is empty")

@@ -16,6 +16,7 @@ from typing import TypeVar
 
 from fieldgrade.class_folder.assignments import Assignment, read_assignments
 from fieldgrade.class_folder.csv_tables import short
+from fieldgrade.class_folder.dismissals import Dismissal, read_dismissals
 from fieldgrade.class_folder.late_policy import Extension, read_extensions
 from fieldgrade.class_folder.manual_grading import Mark, read_marks
 from fieldgrade.class_folder.overrides import (
@@ -63,6 +64,10 @@ class Decisions:
         """Return the manual mark of an answer, if there is one."""
         key = (student, question)
         return next((m for m in self.marks if (m.student, m.question) == key), None)
+
+    def counts_optional(self, notebook: str) -> bool:
+        """Return whether the points of optional questions of a notebook count."""
+        return notebook in self.assignments and self.assignments[notebook].counts_optional
 
 
 def require_known(
@@ -131,6 +136,10 @@ class ClassFolder:
             read_marks(self.folder / MANUAL),
             self._read("overrides.csv", read_overrides, []),
         )
+
+    def dismissals(self) -> Mapping[str, Dismissal]:
+        """Return the dismissed entries of the list *needs your eyes*."""
+        return self._read("dismissed.csv", read_dismissals, {})
 
     def requests(self) -> list[RegradeRequest]:
         """Return the regrade requests."""

@@ -106,6 +106,8 @@ def moment(text: str) -> datetime:
         raise ValueError(
             f"a time must be written as 2026-11-30T23:59+01:00, not {text!r}"
         ) from None
+    if len(text) <= len("2026-11-30"):
+        raise ValueError(f"{text!r} is a day without a time: write 2026-11-30T23:59+01:00")
     if time.tzinfo is None:
         raise ValueError(f"{text!r} has no time zone: write it as {text}+01:00 or {text}Z")
     return time

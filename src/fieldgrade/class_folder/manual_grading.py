@@ -62,13 +62,19 @@ def written_questions(source: Source) -> list[WrittenQuestion]:
         WrittenQuestion(
             cell.answer,
             float(cell.metadata.get("points", 0)),
-            before.text,
+            _question(cell.answer, before.text),
             cell.text,
             rubrics.get(cell.answer, ""),
         )
         for before, cell in zip(source.cells, source.cells[1:], strict=False)
         if cell.answer
     ]
+
+
+def _question(name: str, text: str) -> str:
+    """Return the text from the question's name on; it may follow remarks on a picture."""
+    _, marked, question = text.partition(f"**{name}**")
+    return (marked + question) or text
 
 
 def marking_page(

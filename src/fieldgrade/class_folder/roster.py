@@ -13,7 +13,10 @@ from fieldgrade.class_folder.csv_tables import Row, notebook, points, question, 
 from fieldgrade.class_folder.late_policy import moment
 from fieldrecon._core.digests import bytes_digest
 
-LONGEST = 60
+LONGEST = 50
+DIGITS = 12
+"""Characters of a name in a file name, and hexadecimal digits of its digest after them."""
+WITH_DIGEST = re.compile(rf"(?i)-[0-9a-f]{{{DIGITS}}}$")
 
 
 @dataclass(frozen=True)
@@ -31,7 +34,8 @@ class Student:
     canvas_id, sis_id, section : str
         The columns ID, SIS User ID and Section of Canvas.
     moodle_id : str
-        The number of the participant in the file names of Moodle.
+        The numbers of the participant in the file names of Moodle, separated by spaces: there is
+        another one in each assignment.
     """
 
     student: str
@@ -46,17 +50,23 @@ class Student:
 
 TIMES = ("student", "notebook", "received")
 OPTIONAL = tuple(field.name for field in fields(Student))[1:]
+IDENTIFYING = ("email", "login", "canvas_id", "sis_id", "moodle_id")
 
 
 def read_roster(path: Path) -> dict[str, Student]:
     """Return the students of a file, by the first column, in its order.
+
+    No two lines may have the same number, address or login, since the work and the grades of one
+    student would count as those of another.
 
     Raises
     ------
     ValueError
         Invalid lines, one message each.
     """
-    students = read_table(path, lambda row: Student(**row), ("student",), OPTIONAL, ("student",))
+    students = read_table(
+        path, lambda row: Student(**row), ("student",), OPTIONAL, ("student",), IDENTIFYING
+    )
     return {student.student: student for student in students}
 
 
@@ -105,15 +115,15 @@ def file_names(students: Iterable[str]) -> dict[str, str]:
     Examples
     --------
     >>> file_names(["ada", "Å. Ng"])
-    {'ada': 'ada', 'Å. Ng': 'A._Ng-0b0609'}
+    {'ada': 'ada', 'Å. Ng': 'A._Ng-0b06091f4e03'}
     """
     everybody = list(students)
     plain = {student: _plain(student) for student in everybody}
     taken = Counter(name.casefold() for name in plain.values())
     return {
         student: name
-        if name == student and taken[name.casefold()] == 1
-        else f"{name}-{bytes_digest(student.encode('utf-8', 'replace'))[:6]}"
+        if name == student and taken[name.casefold()] == 1 and not WITH_DIGEST.search(name)
+        else f"{name}-{bytes_digest(student.encode('utf-8', 'surrogatepass'))[:DIGITS]}"
         for student, name in plain.items()
     }
 

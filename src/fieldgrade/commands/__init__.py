@@ -1,6 +1,5 @@
 """The commands ``fieldrecon course`` and ``fieldrecon grade``."""
 
-from fieldgrade.grading import FOR_WORKERS
 from fieldrecon.cli.commands import Command
 
 NEEDS = ("fontTools", "jsonschema", "jupytext", "nbclient", "nbconvert", "nbformat", "pytest")
@@ -14,5 +13,4 @@ GRADE = Command(
     "fieldgrade.commands.grade",
     "grade the submissions of a class",
     needs=NEEDS,
-    for_workers=FOR_WORKERS,
 )

@@ -14,10 +14,14 @@ from pathlib import Path
 
 from fieldgrade.authoring import build as building
 from fieldgrade.authoring.bundle import write_bundle
+from fieldgrade.authoring.minutes import suggested_minutes
+from fieldgrade.authoring.outline import Outline, minutes
 from fieldgrade.authoring.publish import publish
 from fieldgrade.authoring.secret_salt import FILE as SALT_FILE
 from fieldgrade.authoring.secret_salt import MISSING, make_salt, read_salt
 from fieldgrade.authoring.sources import Source
+from fieldgrade.class_folder.example import write_example_class
+from fieldgrade.class_folder.self_assessment import write_self_assessment
 from fieldgrade.commands.gradebook import add_commands as add_gradebook
 from fieldgrade.grader_validation.blas_kernels import (
     NO_CHOICE,
@@ -49,13 +53,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     build = commands.add_parser("build", help="write the notebooks of students and solutions")
     build.set_defaults(command=_build)
+    times = commands.add_parser("minutes", help="compare the minutes of each question with a rule")
+    times.set_defaults(command=_minutes)
     check = commands.add_parser("check", help="test the graders")
     check.set_defaults(command=_check)
     check.add_argument("--question", default="", metavar="02.3", help="only this question")
     pages = commands.add_parser("publish", help="write the solved notebooks as HTML and PDF")
     pages.add_argument("--out", type=Path, default=Path("dist/solutions"), metavar="DIR")
     pages.set_defaults(command=_publish)
-    for command in (build, check, pages):
+    rubrics = commands.add_parser(
+        "self-assessment", help="write model answers with rubrics, to be released to students"
+    )
+    rubrics.add_argument("--out", type=Path, default=Path("dist/self-assessment"), metavar="DIR")
+    rubrics.set_defaults(command=_self_assessment)
+    for command in (build, times, check, pages, rubrics):
         command.add_argument("--only", nargs="+", default=[], metavar="02", help="these notebooks")
     init = commands.add_parser("init", help="create the secret salt, .course-secret.json")
     init.add_argument("--renew", action="store_true", help="replace it, for a new year")
@@ -63,6 +74,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     bundle = commands.add_parser("bundle", help="write the zip file for students")
     bundle.add_argument("--out", type=Path, default=Path("dist/student-bundle.zip"), metavar="FILE")
     bundle.set_defaults(command=_bundle)
+    example = commands.add_parser("example", help="write an example class of five, to try grading")
+    example.add_argument("folder", type=Path, metavar="DIR", help="a new or an empty folder")
+    example.set_defaults(command=_example)
     add_gradebook(commands)
 
 
@@ -71,6 +85,26 @@ def _build(options: argparse.Namespace) -> None:
     with ThreadPoolExecutor(cpu_count()) as pool, progress(pool.map, "notebooks") as each:
         building.build(options.root, chosen, each)
     print(f"{len(chosen)} notebooks are up to date, for students and solved")
+
+
+def _minutes(options: argparse.Namespace) -> None:
+    """Print the declared and the suggested minutes of each question, with sums."""
+    for source in _chosen(options):
+        outline = Outline(source)
+        suggested = suggested_minutes(outline)
+        parts = (("core", outline.core), ("optional", outline.optional))
+        rows: list[tuple[object, ...]] = [
+            (name, item.question, item.minutes, suggested[item.question])
+            for name, items in parts
+            for item in items
+        ]
+        rows += [
+            (name, "all", minutes(items), sum(suggested[item.question] for item in items))
+            for name, items in parts
+            if items
+        ]
+        heads = ("part", "question", "minutes", "suggested")
+        print_table(heads, rows, title=source.name, whole=True)
 
 
 def _check(options: argparse.Namespace) -> int:
@@ -136,10 +170,25 @@ def _bundle(options: argparse.Namespace) -> None:
     print(write_bundle(options.root, options.out))
 
 
+def _example(options: argparse.Namespace) -> None:
+    submissions, tables = write_example_class(options.folder)
+    print(f"{submissions}: what five students submitted\n{tables}: the tables of their class")
+    out = options.folder / "graded"
+    print(f"next: fieldrecon grade {submissions} --class {tables} --out {out}")
+
+
 def _publish(options: argparse.Namespace) -> None:
     todo = partial(_pages, root=options.root, out=options.out)
     with ThreadPoolExecutor(cpu_count()) as pool, progress(pool.map, "pages") as each:
         print_files(chain.from_iterable(each(todo, _chosen(options))))
+
+
+def _self_assessment(options: argparse.Namespace) -> None:
+    print_files(
+        chain.from_iterable(
+            write_self_assessment(source, options.out) for source in _chosen(options)
+        )
+    )
 
 
 def _pages(source: Source, root: Path, out: Path) -> list[Path]:

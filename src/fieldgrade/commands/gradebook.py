@@ -16,12 +16,21 @@ from fieldgrade.class_folder.decisions import MANUAL
 from fieldgrade.class_folder.example_tables import write_examples
 from fieldgrade.class_folder.manual_grading import marking_page, update_table, written_questions
 from fieldgrade.class_folder.overrides import open_requests
-from fieldgrade.gradebook import differences, exports, item_analysis, similarity
+from fieldgrade.class_folder.private import keep_out_of_git
+from fieldgrade.gradebook import (
+    differences,
+    exports,
+    item_analysis,
+    moodle_worksheet,
+    similarity,
+)
+from fieldgrade.gradebook.attention import FILE
 from fieldgrade.gradebook.feedback import feedback
 from fieldgrade.gradebook.grade_sheets import by_student
 from fieldgrade.gradebook.graded_class import DEFAULT_FOLDER, GradedClass
-from fieldgrade.submissions.submission import Submission, Unreadable
+from fieldgrade.submissions.submission import Submission
 from fieldgrade.submissions.written_answers import written_answers
+from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon.cli.console import print_files, print_table
 from fieldrecon.cli.progress import progress
 
@@ -65,7 +74,10 @@ def _add(commands: Any, name: str, command: Callable[..., Any], text: str) -> An
 
 
 def _graded(options: argparse.Namespace) -> GradedClass:
-    return GradedClass(options.results, options.folder, options.out, options.root)
+    graded = GradedClass(options.results, options.folder, options.out, options.root)
+    if graded.file.is_file():
+        keep_out_of_git(graded.out)
+    return graded
 
 
 def _feedback(graded: GradedClass, _: argparse.Namespace) -> None:
@@ -91,24 +103,57 @@ def _export(graded: GradedClass, _: argparse.Namespace) -> None:
                 print(f"{student} is not in {platform}.csv: the roster does not identify them")
         else:
             print(f"no {platform}.csv: column {platform} of assignments.csv is empty")
+    print_files([*files, *_worksheets(graded), *_gradescope(graded)])
+    waiting = sum(sheet.waiting for sheet in graded.sheets)
+    if waiting:
+        print(f"{waiting} answers are not graded yet, and count as no points in these files")
     for sheet in graded.sheets:
-        if sheet.record:
+        if sheet.record and not sheet.has_grade:
+            who = sheet.student["student"]
+            print(f"{who}, notebook {sheet.notebook}: no grade in these files: the grader failed")
+    for request in open_requests(graded.folder.requests(), graded.decisions.overrides):
+        print(f"open request: {request.student}, {request.question}, {request.on}")
+
+
+def _worksheets(graded: GradedClass) -> Iterator[Path]:
+    """Fill in the worksheets of Moodle, and pack the pages of the students; yield the files."""
+    pages = {who: graded.out / f"feedback/{name}.html" for who, name in graded.names.items()}
+    for file in sorted((graded.folder.folder / moodle_worksheet.FOLDER).glob("[0-9][0-9].csv")):
+        sheets = [sheet for sheet in graded.sheets if sheet.notebook == file.stem]
+        participants = moodle_worksheet.read_worksheet(file, sheets)
+        for student, why in moodle_worksheet.problems(participants, sheets):
+            print(f"Moodle will not get the grade of {student} for {file.stem}: {why}")
+        text = moodle_worksheet.worksheet_csv(participants)
+        yield graded.write(f"{moodle_worksheet.FOLDER}/{file.name}", text)
+        packed = moodle_worksheet.feedback_zip(participants, pages)
+        place = graded.out / f"{moodle_worksheet.FOLDER}/{file.stem}-feedback.zip"
+        yield write_atomically(place, packed)
+
+
+def _gradescope(graded: GradedClass) -> Iterator[Path]:
+    """Write a result for each submission, and an autograder for each notebook; yield these."""
+    for sheet in graded.sheets:
+        if sheet.has_grade:
             whose = graded.names[sheet.student["student"]]
             text = exports.gradescope_text(sheet)
             graded.write(f"gradescope/{sheet.notebook}/{whose}/results.json", text)
-    print_files([*files, graded.out / "gradescope"])
-    waiting = sum(line.how == "open" for sheet in graded.sheets for line in sheet.lines)
-    if waiting:
-        print(f"{waiting} answers are not graded yet, and count as no points in these files")
-    for request in open_requests(graded.folder.requests(), graded.decisions.overrides):
-        print(f"open request: {request.student}, {request.question}, {request.on}")
+    without = exports.left_out("gradescope", graded.sheets)
+    if len(without) == len(graded.names):
+        print("no autograder for Gradescope: the roster has no e-mail addresses")
+        return
+    for student in without:
+        print(f"{student} is not in the autograder for Gradescope: the roster has no address")
+    for notebook in dict.fromkeys(sheet.notebook for sheet in graded.sheets):
+        packed = exports.gradescope_zip(s for s in graded.sheets if s.notebook == notebook)
+        yield write_atomically(graded.out / f"gradescope/{notebook}.zip", packed)
 
 
 def _analysis(graded: GradedClass, _: argparse.Namespace) -> None:
     found = item_analysis.items(graded.sheets)
     submitted = sum(sheet.record is not None for sheet in graded.sheets)
     subtitle = f"{submitted} notebooks of {len(graded.names)} students"
-    page = item_analysis.analysis_page(found, graded.titles, subtitle)
+    attention = f"{FILE}.html" if (graded.out / f"{FILE}.html").is_file() else ""
+    page = item_analysis.analysis_page(found, graded.titles, subtitle, attention)
     table = item_analysis.to_table(found)
     print_files([graded.write("analysis.csv", table), graded.write("analysis.html", page)])
 
@@ -160,9 +205,13 @@ def _similarity(graded: GradedClass, _: argparse.Namespace) -> None:
 def _codes(graded: GradedClass, number: str) -> Iterator[similarity.Code]:
     for student, record in graded.records(number).items():
         try:
-            yield similarity.code(student, graded.submission(record).cells)
-        except Unreadable:
+            code = similarity.code(student, graded.submission(record).cells)
+        except Exception as error:  # no submission stops the class
+            print(f"{number}: the answers of {student} are not compared ({error})")
             continue
+        if code.left_out:
+            print(f"{number}: {code.left_out} functions or cells of {student} are not compared")
+        yield code
 
 
 def _handed_out(graded: GradedClass, number: str) -> tuple[str, ...]:

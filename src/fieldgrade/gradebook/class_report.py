@@ -31,6 +31,13 @@ WRAPPED = "table.result td { white-space: normal; }\n"
 
 OUTCOMES = {"right": "#2a6428", "in part": "#d7a65f", "wrong": "#a33b00", "not written": "#c8ccd2"}
 SANDBOX = {"bubblewrap": "bubblewrap", "landlock": "Landlock", "none": "none", "": "did not run"}
+STATUS = {
+    "partly": "graded in part: something broke down",
+    "killed: time": "graded in part: too much time",
+    "killed: memory": "graded in part: too much memory",
+    "killed: output": "graded in part: too much output",
+    "grader failed": "not graded: the grader failed",
+}
 
 
 def class_report(
@@ -63,7 +70,7 @@ def class_report(
     ValueError
         No notebook was graded.
     """
-    submitted = [sheet for sheet in sheets if sheet.record]
+    submitted = [sheet for sheet in sheets if sheet.has_grade]
     if not submitted:
         raise ValueError("there is nothing to report on: no notebook was graded")
     numbers = sorted({sheet.notebook for sheet in submitted})
@@ -132,7 +139,7 @@ def _class(
     by_number: Mapping[str, Sequence[GradeSheet]],
     titles: Mapping[str, str],
 ) -> dict[str, Any]:
-    left = sum(line.how == "open" for its in by_number.values() for s in its for line in s.lines)
+    left = sum(sheet.waiting for its in by_number.values() for sheet in its)
     facts = {
         "students": len({sheet.student["student"] for sheet in sheets}),
         "submitted": len({record.student for record in results.records}),
@@ -156,7 +163,7 @@ def _class(
         for number, its in by_number.items()
     ]
     sandbox = Counter(SANDBOX[record.tier] for record in results.records)
-    status = Counter(record.status for record in results.records)
+    status = Counter(STATUS.get(record.status, record.status) for record in results.records)
     columns = ("notebook", "title", "submitted", "late", "possible", "mean", "median")
     return _as_experiment(
         facts,
@@ -197,7 +204,8 @@ def _notebook(
 
 def _item(item: ItemStatistics) -> tuple[str, int, float, float, float | str]:
     discrimination = "–" if item.discrimination is None else item.discrimination
-    return item.question, item.answers, 100 * item.failed, 100 * item.mean, discrimination
+    name = f"{item.question} {item.title}".strip()
+    return name, item.answers, 100 * item.failed, 100 * item.mean, discrimination
 
 
 def _points_figure(by_number: Mapping[str, Sequence[GradeSheet]]) -> bytes:
@@ -245,5 +253,5 @@ def _outcome(line: GradeLine) -> str:
         return "right"
     if line.points:
         return "in part"
-    unwritten = line.grade is not None and line.grade.verdict.rung in ("unwritten", "missing")
+    unwritten = line.grade is not None and line.grade.verdict.finding in ("unwritten", "missing")
     return "not written" if unwritten else "wrong"

@@ -140,7 +140,7 @@ def _by_person(was: GradeLine, line: GradeLine) -> Iterator[str]:
     elif was.how == "override":
         yield "override withdrawn"
     if "read" in (was.how, line.how) and line.how != "override":
-        yield "marked by hand" if line.how == "read" else "mark withdrawn"
+        yield "marked" if line.how == "read" else "mark withdrawn"
 
 
 def _shared(then: Results, now: Results) -> list[str]:

@@ -3,33 +3,36 @@
 from __future__ import annotations
 
 import html
+import io
 import json
+import zipfile
 from collections.abc import Iterable, Mapping, Sequence
+from importlib.resources import files
 from typing import Any
 
 from fieldgrade.class_folder.assignments import Assignment
 from fieldgrade.class_folder.csv_tables import short, to_csv
-from fieldgrade.gradebook.grade_sheets import (
-    GradeLine,
-    GradeSheet,
-    about,
-    by_student,
-    said_of,
-    summary,
-)
+from fieldgrade.gradebook.explanations import about, in_one_line, summary
+from fieldgrade.gradebook.grade_sheets import GradeLine, GradeSheet, by_student
 
 
 def gradebook_csv(sheets: Iterable[GradeSheet]) -> str:
     """Return a row for each student, with a column for each question, deduction and sum.
 
-    An empty cell is an answer that nobody has graded yet.
+    An empty cell is an answer that nobody has graded yet, or a submission for which the grader
+    failed.
     """
     rows = by_student(sheets)
     columns = ["student", "name", "section"]
     for sheet in rows[0] if rows else ():
-        columns += [f"{line.question} of {short(line.possible)}" for line in sheet.lines]
+        columns += [_column(line) for line in sheet.lines]
         columns += [f"{sheet.notebook} {what}" for what in ("late", "points", "status")]
     return to_csv([*columns, "points", "unreadable files"], (_row(row) for row in rows))
+
+
+def _column(line: GradeLine) -> str:
+    column = f"{line.question} of {short(line.possible)}"
+    return column if line.counts else f"{column}, optional"
 
 
 def _row(sheets: Sequence[GradeSheet]) -> list[object]:
@@ -37,9 +40,10 @@ def _row(sheets: Sequence[GradeSheet]) -> list[object]:
     row: list[object] = [student["student"], student.get("name", ""), student.get("section", "")]
     for sheet in sheets:
         row += [None if line.how == "open" else line.points for line in sheet.lines]
-        row += [-sheet.late_penalty, sheet.points, sheet.status]
-    files = "; ".join(record.file for record in sheets[0].unreadable)
-    return [*row, sum(sheet.points for sheet in sheets), files]
+        failed = sheet.record is not None and not sheet.has_grade
+        row += [-sheet.late_penalty, None if failed else sheet.points, sheet.status]
+    unreadable = "; ".join(record.file for record in sheets[0].unreadable)
+    return [*row, sum(sheet.points for sheet in sheets), unreadable]
 
 
 def canvas_csv(sheets: Iterable[GradeSheet], assignments: Mapping[str, Assignment]) -> str:
@@ -48,8 +52,8 @@ def canvas_csv(sheets: Iterable[GradeSheet], assignments: Mapping[str, Assignmen
     Canvas expects the columns Student, ID, SIS User ID, SIS Login ID and Section, in this order,
     then one for each assignment. It identifies a student by the ID, then by the SIS User ID, then
     by the login, and an assignment by the number in parentheses after its name; without the number
-    it would create a new assignment. A row that begins with Points Possible follows the header. The
-    cell of a notebook that was not submitted is empty, which changes nothing::
+    it would create a new assignment. A row that begins with Points Possible follows the header. An
+    empty cell deletes the grade that Canvas has, so a student without any grade has no row::
 
         Student,ID,SIS User ID,SIS Login ID,Section,Least squares (48213)
             Points Possible,,,,,20
@@ -69,18 +73,20 @@ def canvas_csv(sheets: Iterable[GradeSheet], assignments: Mapping[str, Assignmen
 
     References
     ----------
-    Instructure, "How do I import grades in the Gradebook?", Canvas Instructor Guide; and
-    ``lib/gradebook_importer.rb`` of github.com/instructure/canvas-lms, which reads the file.
+    Instructure, "How do I import grades in the Gradebook?", Canvas Instructor Guide; and in
+    github.com/instructure/canvas-lms ``lib/gradebook_importer.rb``, which reads the file,
+    ``spec/lib/gradebook_importer_spec.rb`` and ``spec/fixtures/gradebooks/``, with examples.
     """
     rows = _identified("canvas", by_student(sheets))
     named = _named("canvas", rows, {n: a.canvas for n, a in assignments.items()})
+    graded = _graded(rows, named)
     header = ["Student", "ID", "SIS User ID", "SIS Login ID", "Section"]
     possible: list[object] = ["    Points Possible", None, None, None, None]
     return to_csv(
         [*header, *named.values()],
         [
             [*possible, *(_possible(rows, notebook) for notebook in named)],
-            *([*_canvas_student(row[0].student), *_points(row, named)] for row in rows),
+            *([*_canvas_student(row[0].student), *_points(row, named)] for row in graded),
         ],
     )
 
@@ -93,13 +99,14 @@ def _canvas_student(student: Mapping[str, str]) -> list[object]:
 def moodle_csv(sheets: Iterable[GradeSheet], assignments: Mapping[str, Assignment]) -> str:
     """Return a file for *Import, CSV file* in the grades of Moodle.
 
-    Its columns are those of Moodle's own export: the student, and for each assignment the grade and
+    It has the columns of Moodle's own export: the student, and for each assignment the grade and
     the feedback. Students are identified by ID number or e-mail address, whichever more of them
-    have; map this column to *useridnumber* or *useremail*. Grade and feedback have to be imported
-    together: feedback without grades deletes the grades. The feedback is HTML::
+    have; map this column to the same field. Grade and feedback have to be imported together:
+    feedback without grades deletes the grades. An empty cell deletes the grade that Moodle has, so
+    a student without any grade has no row. The feedback is HTML::
 
         Email address,Assignment: Least squares (Real),Assignment: Least squares (Feedback)
-        ada@uni.dk,17.5,01.1 right (2 of 2).<br>01.2 not right yet (0 of 2).
+        ada@uni.dk,17.5,01.1 The matrix: right (2 of 2).<br>01.2 The coefficients: wrong (0 of 2).
 
     Parameters
     ----------
@@ -117,7 +124,9 @@ def moodle_csv(sheets: Iterable[GradeSheet], assignments: Mapping[str, Assignmen
     References
     ----------
     Moodle documentation, "Grade import", https://docs.moodle.org/en/Grade_import, "CSV grade
-    import" and note 3; the names of the columns are those of "Grade export".
+    import" and note 3; and in github.com/moodle/moodle ``grade/import/csv/classes/load_data.php``,
+    which reads the file, ``grade/import/csv/tests/load_data_test.php``, with examples, and
+    ``grade/export/lib.php``, which names the columns.
     """
     rows = _identified("moodle", by_student(sheets))
     named = _named("moodle", rows, {n: a.moodle for n, a in assignments.items()})
@@ -126,17 +135,23 @@ def moodle_csv(sheets: Iterable[GradeSheet], assignments: Mapping[str, Assignmen
     for name in named.values():
         columns += [f"{name} (Real)", f"{name} (Feedback)"]
     return to_csv(
-        columns, ([row[0].student[key], *_grades_and_feedback(row, named)] for row in rows)
+        columns,
+        ([row[0].student[key], *_grades_and_feedback(row, named)] for row in _graded(rows, named)),
     )
 
 
 def _grades_and_feedback(row: Sequence[GradeSheet], named: Iterable[str]) -> Iterable[object]:
     """Yield grade and feedback of each notebook: both, or neither."""
-    sheets = {sheet.notebook: sheet for sheet in row if sheet.record}
+    sheets = {sheet.notebook: sheet for sheet in row if sheet.has_grade}
     for notebook in named:
         sheet = sheets.get(notebook)
         yield sheet.points if sheet else None
-        yield "<br>".join(html.escape(said) for said in summary(sheet)) if sheet else None
+        yield feedback_html(sheet) if sheet else None
+
+
+def feedback_html(sheet: GradeSheet) -> str:
+    """Return the feedback on a notebook as Moodle shows it, a line for each question."""
+    return "<br>".join(html.escape(said) for said in summary(sheet))
 
 
 def gradescope_json(sheet: GradeSheet) -> dict[str, Any]:
@@ -148,14 +163,15 @@ def gradescope_json(sheet: GradeSheet) -> dict[str, Any]:
 
         {"score": 17.5, "output": "", "output_format": "text", "visibility": "after_published",
          "stdout_visibility": "hidden", "extra_data": {},
-         "tests": [{"score": 2.0, "max_score": 2.0, "status": "passed", "name": "01.1 right",
-                    "name_format": "text", "number": "01.1", "output": "",
-                    "output_format": "text", "visibility": "after_published"}]}
+         "tests": [{"score": 2.0, "max_score": 2.0, "status": "passed",
+                    "name": "01.1 The matrix: right", "name_format": "text", "number": "01.1",
+                    "output": "", "output_format": "text", "visibility": "after_published"}]}
 
     References
     ----------
     Gradescope, "Autograder Specifications: Output format",
-    https://gradescope-autograders.readthedocs.io/en/latest/specs/.
+    https://gradescope-autograders.readthedocs.io/en/latest/specs/; its source is ``docs/specs.md``
+    in github.com/gradescope/autograder_samples.
     """
     return {
         "score": sheet.points,
@@ -172,7 +188,7 @@ def gradescope_json(sheet: GradeSheet) -> dict[str, Any]:
 
 
 def _test(line: GradeLine) -> dict[str, Any]:
-    name, output = said_of(line)
+    name, output = in_one_line(line)
     test = {
         "score": line.points,
         "max_score": line.possible,
@@ -192,9 +208,52 @@ def gradescope_text(sheet: GradeSheet) -> str:
     return json.dumps(gradescope_json(sheet), indent=1, ensure_ascii=False) + "\n"
 
 
+def gradescope_zip(sheets: Iterable[GradeSheet]) -> bytes:
+    """Return an autograder for Gradescope that shows the grades of a notebook.
+
+    Gradescope imports no files with results: its only way is an autograder, which runs for each
+    submission and writes ``results.json``. The zip file has ``setup.sh``, ``run_autograder``, and
+    the results by e-mail address. It has no solutions and no hidden inputs, and runs no submission.
+
+    Parameters
+    ----------
+    sheets : iterable of GradeSheet
+        The final grades of one notebook. Students without email in the roster are left out.
+
+    References
+    ----------
+    Gradescope, "Autograder Specifications", as for `gradescope_json`.
+    """
+    results = {
+        sheet.student["email"].lower(): gradescope_json(sheet)
+        for sheet in sheets
+        if sheet.has_grade and sheet.student.get("email")
+    }
+    program = files(__package__).joinpath("gradescope_autograder.py").read_text(encoding="utf-8")
+    content = {
+        "setup.sh": "#!/usr/bin/env bash\napt-get update && apt-get install -y python3\n",
+        "run_autograder": f"#!/usr/bin/env python3\n{program}",
+        "results.json": json.dumps(results, indent=1, ensure_ascii=False) + "\n",
+    }
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in content.items():
+            entry = zipfile.ZipInfo(name)  # of 1980, so that equal grades give equal bytes
+            entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o755 << 16
+            archive.writestr(entry, text)
+    return packed.getvalue()
+
+
 def _points(row: Sequence[GradeSheet], named: Iterable[str]) -> list[object]:
-    points = {sheet.notebook: sheet.points for sheet in row if sheet.record}
+    points = {sheet.notebook: sheet.points for sheet in row if sheet.has_grade}
     return [points.get(notebook) for notebook in named]
+
+
+def _graded(
+    rows: Iterable[Sequence[GradeSheet]], named: Mapping[str, str]
+) -> list[Sequence[GradeSheet]]:
+    """Return the rows of students with a grade for at least one of the named notebooks."""
+    return [row for row in rows if any(s.has_grade and s.notebook in named for s in row)]
 
 
 def _possible(rows: Sequence[Sequence[GradeSheet]], notebook: str) -> object:
@@ -217,8 +276,8 @@ def _named(
 
 def left_out(platform: str, sheets: Iterable[GradeSheet]) -> list[str]:
     """Return the students whom a platform cannot identify, and who are not in its file."""
-    keys = _keys(platform, by_student(sheets))
-    students = [row[0].student for row in by_student(sheets)]
+    rows = by_student(sheets)
+    keys, students = _keys(platform, rows), [row[0].student for row in rows]
     return [s["student"] for s in students if not any(s.get(key) for key in keys)]
 
 
@@ -240,6 +299,8 @@ def _keys(platform: str, rows: Sequence[Sequence[GradeSheet]]) -> tuple[str, ...
     """
     if platform == "canvas":
         return "canvas_id", "sis_id", "login"
+    if platform == "gradescope":
+        return ("email",)
     students = [row[0].student for row in rows]
     having = {key: sum(bool(s.get(key)) for s in students) for key in ("sis_id", "email")}
     return (max(having, key=lambda key: having[key]),)

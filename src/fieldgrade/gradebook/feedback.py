@@ -1,11 +1,13 @@
 """The feedback page of a student, from the results and public material.
 
-It shows no hidden input: pictures are drawn for public cases only, and a hidden case is represented
-by its sentence for students.
+It says for every lost point whether the answer was wrong, missing, stopped by an error, or too
+slow. It shows no hidden input: pictures are drawn for public cases only, and a hidden case is
+represented by its sentence for students.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from html import escape
 
@@ -14,12 +16,13 @@ import numpy as np
 from fieldcheck.answers import arrays_from_json, public_answers
 from fieldcheck.calls import Outcome, Values
 from fieldcheck.questions import questions
-from fieldcheck.verdict import TITLES
 from fieldgrade.authoring.known_answers import public_calls
 from fieldgrade.checking.results import Record
 from fieldgrade.class_folder.csv_tables import short
-from fieldgrade.gradebook.grade_sheets import NOT_YET, GradeLine, GradeSheet
+from fieldgrade.gradebook.explanations import explained, heading
+from fieldgrade.gradebook.grade_sheets import GradeLine, GradeSheet
 from fieldgrade.html_pages import page, picture, table
+from fieldgrade.isolation.process import CellError
 
 LARGEST = 1e6
 """Values that exceed the right ones by this factor are not drawn."""
@@ -30,7 +33,7 @@ STATUS = {
     "killed: memory": "A part of the notebook needed too much memory and was stopped; the rest was "
     "graded.",
     "killed: output": "A part of the notebook wrote too much and was stopped; the rest was graded.",
-    "fault": "It could not be graded yet. This is not your fault; it will be graded later.",
+    "grader failed": "It could not be graded yet. This is not your fault; it will be graded later.",
 }
 SANDBOX = {
     "bubblewrap": "Your notebook was run in a sandbox, without a network.",
@@ -38,8 +41,27 @@ SANDBOX = {
     "none": "Your notebook was run on the grader's own machine.",
     "": "Your notebook was not run.",
 }
-FOR_STUDENTS = ("a stub is defined after an answer",)
-"""Notes for instructors that students see too."""
+FOR_STUDENTS = (
+    "a stub is defined after an answer",
+    " is not graded: ",
+    "only the code that the answers need was run",
+    "a library has this name",
+    " is not available to the notebook: ",
+    "only the code that the answers need",
+)
+"""Parts of the notes for instructors that students see too."""
+MISSING = {
+    "modules": "Modules that were not available where the notebook ran: {}.",
+    "files": "Files that were not found where the notebook ran: {}. Only files that are submitted "
+    "beside the notebook are there.",
+    "fonts": "Fonts of figures that were not installed where the notebook ran, which costs no "
+    "points: {}.",
+}
+CODE = re.compile(r"`([^`\n]{1,80})`")
+OTHERS = re.compile(r"that of .* and of .*: the file must have another name", re.DOTALL)
+"""The part of a note that names other students."""
+MOST_ERRORS = 10
+"""Errors of cells that a page shows."""
 
 
 def feedback(sheets: Sequence[GradeSheet], titles: Mapping[str, str] | None = None) -> str:
@@ -55,6 +77,7 @@ def feedback(sheets: Sequence[GradeSheet], titles: Mapping[str, str] | None = No
     titles, student = titles or {}, sheets[0].student
     who = student.get("name") or student["student"]
     body = [_unreadable(record) for record in sheets[0].unreadable]
+    body += [_uncounted(record, titles) for record in sheets[0].uncounted]
     body += [_overview(sheets, titles)] if len(sheets) > 1 else []
     body += [_notebook(sheet, titles.get(sheet.notebook, "")) for sheet in sheets]
     return page(who, _sum(sheets), "\n".join(body))
@@ -63,17 +86,30 @@ def feedback(sheets: Sequence[GradeSheet], titles: Mapping[str, str] | None = No
 def _sum(sheets: Sequence[GradeSheet]) -> str:
     points, possible = sum(s.points for s in sheets), sum(s.possible for s in sheets)
     text = f"{short(points)} of {short(possible)} points"
-    waiting = sum(line.how == "open" for sheet in sheets for line in sheet.lines)
+    waiting = sum(sheet.waiting for sheet in sheets)
     if not waiting:
         return text
     return f"{text}; {'one answer is' if waiting == 1 else f'{waiting} answers are'} not graded yet"
 
 
 def _unreadable(record: Record) -> str:
-    reason = "".join(f" {escape(note)}." for note in record.notes[:1])
+    reason = "".join(f" {escape(_without_others(note))}." for note in record.notes[:1])
     return (
         f'<p class="warning">The file {escape(record.file)} could not be graded:{reason} '
         "Submit it again, saved as a notebook.</p>"
+    )
+
+
+def _without_others(note: str) -> str:
+    """Return a note without the names of other students."""
+    return OTHERS.sub("that of another student: the file must have another name", note)
+
+
+def _uncounted(record: Record, titles: Mapping[str, str]) -> str:
+    notebook = _title(record.notebook, titles.get(record.notebook, ""))
+    return (
+        f'<p class="warning">The file {escape(record.file)} is notebook {notebook}, which is not '
+        "an assignment of this class. It does not count.</p>"
     )
 
 
@@ -99,9 +135,9 @@ def _at_a_glance(sheet: GradeSheet) -> str:
 
 
 def _square(line: GradeLine) -> str:
-    kind, title, _ = _said(line)
-    text = f"{line.question} {title or NOT_YET} {_points(line)} of {short(line.possible)}"
-    return f'<i class="{kind}" title="{escape(text)}"></i>'
+    outcome = explained(line).outcome
+    text = f"{heading(line)}: {outcome}, {_points(line)} of {short(line.possible)}"
+    return f'<i class="{_kind(line)}" title="{escape(text)}"></i>'
 
 
 def _title(notebook: str, title: str) -> str:
@@ -113,7 +149,7 @@ def _notebook(sheet: GradeSheet, title: str) -> str:
     if sheet.record is None:
         readable = " that could be graded" if sheet.unreadable else ""
         return f"<section>{heading}<p>Nothing was submitted{readable}.</p></section>"
-    about = "".join(f"<p>{escape(said)}</p>" for said in _about(sheet))
+    about = "".join(f"<p>{escape(said)}</p>" for said in _about(sheet)) + _cell_errors(sheet.record)
     answers = "\n".join(_answer(line) for line in sheet.lines)
     footer = " ".join((SANDBOX[sheet.record.tier], f"File: {sheet.record.file},"))
     return (
@@ -132,42 +168,68 @@ def _about(sheet: GradeSheet) -> list[str]:
         sentences.append(STATUS[record.status])
     if sheet.late_penalty:
         sentences.append(f"Late submission: {short(sheet.late_penalty)} points less.")
-    sentences += [n for n in record.notes if any(known in n for known in FOR_STUDENTS)]
-    return sentences
+    notes = (n for n in record.notes if any(known in n for known in FOR_STUDENTS))
+    sentences += [_as_sentence(_without_others(note)) for note in notes]
+    missing = vars(record.missing).items()
+    return [
+        *sentences,
+        *(MISSING[kind].format(", ".join(names)) for kind, names in missing if names),
+    ]
+
+
+def _cell_errors(record: Record) -> str:
+    """Return the errors of the cells, which may have cost the answers below their points."""
+    if not record.cell_errors:
+        return ""
+    more = len(record.cell_errors) - MOST_ERRORS
+    shown = [f"<li>{_cell_error(error)}</li>" for error in record.cell_errors[:MOST_ERRORS]]
+    shown += [f"<li>and {more} more</li>"] if more > 0 else []
+    return f"<p>While the notebook ran, these cells had an error:</p><ul>{''.join(shown)}</ul>"
+
+
+def _cell_error(error: CellError) -> str:
+    line = f", line {error.line}" if error.line else ""
+    source = f": <code>{escape(error.source)}</code>" if error.source else ""
+    return f"Code cell {error.cell}{line}{source} — {escape(error.error)}"
+
+
+def _as_sentence(note: str) -> str:
+    return f"{note[:1].upper()}{note[1:]}."
 
 
 def _answer(line: GradeLine) -> str:
-    kind, title, said = _said(line)
+    outcome, sentences, code = explained(line)
     drawn = _drawn(line)
     figure = f"<figure>{drawn}</figure>" if drawn else ""
-    paragraphs = "".join(f"<p>{escape(text)}</p>" for text in said if text)
+    paragraphs = "".join(f"<p>{_with_code(text)}</p>" for text in sentences)
+    quoted = f"<pre>{escape(code)}</pre>" if code else ""
     return (
-        f'<article class="answer {kind}"><header><h3>{escape(line.question)} {escape(title)}</h3>'
+        f'<article class="answer {_kind(line)}"><header><h3>{escape(heading(line))} — '
+        f'<span class="outcome">{escape(outcome)}</span></h3>'
         f'<span class="points">{_points(line)} of {short(line.possible)}</span></header>'
-        f"{paragraphs}{figure}</article>"
+        f"{paragraphs}{quoted}{figure}</article>"
     )
+
+
+def _with_code(text: str) -> str:
+    """Return a text as HTML, words between backticks as code."""
+    return CODE.sub(r"<code>\1</code>", escape(text))
 
 
 def _points(line: GradeLine) -> str:
     return "–" if line.how == "open" else short(line.points)
 
 
-def _said(line: GradeLine) -> tuple[str, str, tuple[str, ...]]:
-    """Return the CSS class of an answer, its title, and its sentences."""
-    if line.how == "open":
-        return "open", "", (NOT_YET,)
-    if line.grade is None:
-        return _kind(line), "", (line.comment,)
-    verdict = line.grade.verdict
-    changed = f"Changed by the staff: {line.comment}" if line.how == "override" else ""
-    kind = verdict.rung if verdict.rung == "unwritten" else _kind(line)
-    return kind, TITLES[verdict.rung], (verdict.sentence, changed)
-
-
 def _kind(line: GradeLine) -> str:
+    """Return the CSS class of an answer."""
+    if line.how == "open":
+        return "open"
     if line.points >= line.possible:
         return "right"
-    return "half" if line.points else "wrong"
+    if line.points:
+        return "half"
+    is_missing = line.grade is not None and line.grade.verdict.finding in ("missing", "unwritten")
+    return "missing" if is_missing else "wrong"
 
 
 def _drawn(line: GradeLine) -> str:

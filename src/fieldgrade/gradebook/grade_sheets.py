@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Literal
+from typing import Any, Literal
 
-from fieldcheck.verdict import TITLES
 from fieldgrade.checking.results import Grade, Record, Results
-from fieldgrade.class_folder.csv_tables import short
 from fieldgrade.class_folder.decisions import Decisions, require_known
 from fieldgrade.class_folder.late_policy import late_factor, moment
 
-NOT_YET = "Not graded yet."
+SHARE = 0.1
+"""Without assignments, a notebook counts if this share of the most submitted one submitted it."""
 
 How = Literal["checked", "read", "override", "open"]
 
@@ -35,6 +35,13 @@ class GradeLine:
         The comment of the marker, or the reason of the override.
     grade : Grade, optional
         The automatic grade.
+    title : str
+        The title of the question.
+    function : str
+        The requested function; empty for a written answer.
+    counts : bool
+        Whether its points count. Those of an optional question do not, unless the instructor
+        decided so.
     """
 
     question: str
@@ -43,6 +50,9 @@ class GradeLine:
     how: How
     comment: str = ""
     grade: Grade | None = None
+    title: str = ""
+    function: str = ""
+    counts: bool = True
 
 
 @dataclass(frozen=True)
@@ -63,6 +73,8 @@ class GradeSheet:
         The share of the points that remains after the late penalty.
     unreadable : tuple of Record
         Other submitted files, which are unreadable.
+    uncounted : tuple of Record
+        Submissions of notebooks that do not count for the class.
     """
 
     student: Mapping[str, str]
@@ -71,11 +83,12 @@ class GradeSheet:
     record: Record | None = None
     late_factor: float = 1.0
     unreadable: tuple[Record, ...] = ()
+    uncounted: tuple[Record, ...] = ()
 
     @property
     def earned(self) -> float:
         """The points before the late penalty."""
-        return sum(line.points for line in self.lines)
+        return sum(line.points for line in self.lines if line.counts)
 
     @property
     def points(self) -> float:
@@ -90,7 +103,18 @@ class GradeSheet:
     @property
     def possible(self) -> float:
         """The points that could be earned."""
-        return sum(line.possible for line in self.lines)
+        return sum(line.possible for line in self.lines if line.counts)
+
+    @property
+    def waiting(self) -> int:
+        """How many answers that count are not graded yet."""
+        return sum(line.how == "open" and line.counts for line in self.lines)
+
+    @property
+    def has_grade(self) -> bool:
+        """Whether there is a grade: by the grader, unless it failed, or by the staff."""
+        by_grader = self.record is not None and self.record.status != "grader failed"
+        return by_grader or any(line.how in ("read", "override") for line in self.lines)
 
     @property
     def status(self) -> str:
@@ -102,7 +126,7 @@ def grade_sheets(results: Results, decisions: Decisions | None = None) -> list[G
     """Return a sheet for each student and notebook, in the order of the roster.
 
     If a student submitted a notebook several times, the last submission counts. Students who are
-    not on the roster come last; notebooks that nobody submitted are left out.
+    not on the roster come last. The notebooks are listed by `counted_notebooks`.
 
     Parameters
     ----------
@@ -114,19 +138,24 @@ def grade_sheets(results: Results, decisions: Decisions | None = None) -> list[G
     Raises
     ------
     ValueError
-        A decision names no existing answer, or gives more points than possible.
+        A decision names no existing answer, or gives more points than possible, or no submitted
+        notebook is an assignment.
     """
     decisions = decisions or Decisions()
     in_code = {q["question"] for q in results.questions if q["kind"] == "code"}
-    require_known(decisions, everybody(results), _worth(results), in_code)
+    worth = {q["question"]: float(q["points"]) for q in results.questions}
+    require_known(decisions, everybody(results), worth, in_code)
+    submitted = {record.notebook for record in results.records} - {""}
+    if submitted and not counted_notebooks(results, decisions):
+        names = ", ".join(sorted(submitted))
+        raise ValueError(f"assignments.csv has no line for any submitted notebook, such as {names}")
     return compute_sheets(results, decisions)
 
 
 def compute_sheets(results: Results, decisions: Decisions) -> list[GradeSheet]:
     """Return the same as `grade_sheets`, without validating the decisions."""
     counting = _last(results.records)
-    worth = _worth(results)
-    notebooks = sorted({notebook for _, notebook in counting})
+    notebooks = counted_notebooks(results, decisions)
 
     def sheet(student: Mapping[str, str], notebook: str) -> GradeSheet:
         name = student["student"]
@@ -134,21 +163,37 @@ def compute_sheets(results: Results, decisions: Decisions) -> list[GradeSheet]:
         return GradeSheet(
             student,
             notebook,
-            tuple(_lines(name, notebook, worth, record, decisions)),
+            tuple(_lines(name, asked[notebook], record, decisions)),
             record,
             _late_factor(record, decisions),
-            tuple(r for r in results.records if r.student == name and not r.notebook),
+            tuple(r for r in files[name] if not r.notebook),
+            tuple(r for r in files[name] if r.notebook and r.notebook not in notebooks),
         )
 
-    return [
-        sheet(student, notebook)
-        for student in everybody(results).values()
-        for notebook in notebooks
-    ]
+    students = everybody(results)
+    files: dict[str, list[Record]] = {name: [] for name in students}
+    for record in results.records:
+        files[record.student].append(record)
+    asked = {n: [q for q in results.questions if q["notebook"] == n] for n in notebooks}
+
+    return [sheet(student, notebook) for student in students.values() for notebook in notebooks]
 
 
-def _worth(results: Results) -> dict[str, float]:
-    return {q["question"]: float(q["points"]) for q in results.questions}
+def counted_notebooks(results: Results, decisions: Decisions) -> list[str]:
+    """Return the notebooks whose points count for everybody in the class, in order.
+
+    If ``assignments.csv`` has lines, they are the submitted notebooks that it lists. Otherwise they
+    are the notebooks that at least a tenth as many students submitted as the most submitted one,
+    and more than one student if more than two submitted that one. A notebook that a student
+    submitted by mistake therefore adds no points to the totals of the others.
+    """
+    submitted = {(record.student, record.notebook) for record in results.records}
+    students = Counter(notebook for _, notebook in submitted if notebook)
+    if decisions.assignments:
+        return sorted(students.keys() & decisions.assignments.keys())
+    most = max(students.values(), default=0)
+    fewest = max(SHARE * most, 2 if most > 2 else 1)
+    return sorted(notebook for notebook, count in students.items() if count >= fewest)
 
 
 def everybody(results: Results) -> dict[str, Mapping[str, str]]:
@@ -174,27 +219,31 @@ def _when(record: Record) -> float:
 
 def _lines(
     student: str,
-    notebook: str,
-    worth: Mapping[str, float],
+    asked: Iterable[Mapping[str, Any]],
     record: Record | None,
     decisions: Decisions,
 ) -> Iterator[GradeLine]:
     """Yield the points of each question: from an override, else a mark, else the grader."""
     grades = {grade.question: grade for grade in (record.grades if record else ())}
-    for question, possible in worth.items():
-        if question.partition(".")[0] != notebook:
-            continue
+    for entry in asked:
+        question, possible = entry["question"], float(entry["points"])
+        about = {
+            "title": entry.get("title", ""),
+            "function": entry["function"],
+            "counts": not entry.get("optional") or decisions.counts_optional(entry["notebook"]),
+        }
         grade = grades.get(question)
         override = decisions.override(student, question)
         mark = decisions.mark(student, question)
         if override:
-            yield GradeLine(question, override.points, possible, "override", override.reason, grade)
+            points, why = override.points, override.reason
+            yield GradeLine(question, points, possible, "override", why, grade, **about)
         elif mark:
-            yield GradeLine(question, mark.points, possible, "read", mark.comment)
+            yield GradeLine(question, mark.points, possible, "read", mark.comment, **about)
         elif grade:
-            yield GradeLine(question, grade.points, grade.possible, "checked", "", grade)
+            yield GradeLine(question, grade.points, grade.possible, "checked", "", grade, **about)
         else:
-            yield GradeLine(question, 0.0, possible, "open" if record else "checked")
+            yield GradeLine(question, 0.0, possible, "open" if record else "checked", **about)
 
 
 def _late_factor(record: Record | None, decisions: Decisions) -> float:
@@ -208,31 +257,3 @@ def _late_factor(record: Record | None, decisions: Decisions) -> float:
 def by_student(sheets: Iterable[GradeSheet]) -> list[list[GradeSheet]]:
     """Return the sheets of each student together; they are in the order of students."""
     return [list(row) for _, row in groupby(sheets, key=lambda s: s.student["student"])]
-
-
-def said_of(line: GradeLine) -> tuple[str, str]:
-    """Return the feedback on an answer: a title, and a sentence, which may be empty."""
-    if line.how == "open":
-        return line.question, NOT_YET
-    if line.grade is None:
-        return line.question, line.comment
-    title = f"{line.question} {TITLES[line.grade.verdict.rung].lstrip('— ')}"
-    changed = f"Changed by the staff: {line.comment}" if line.how == "override" else ""
-    return title, " ".join(filter(None, (line.grade.verdict.sentence, changed)))
-
-
-def summary(sheet: GradeSheet) -> list[str]:
-    """Return the feedback on a notebook, a line for each question."""
-    lines = [
-        f"{title} ({short(line.points)} of {short(line.possible)}). {sentence}".strip()
-        for line in sheet.lines
-        for title, sentence in (said_of(line),)
-    ]
-    return [*about(sheet), *lines]
-
-
-def about(sheet: GradeSheet) -> list[str]:
-    """Return the feedback on a notebook as a whole: the late penalty."""
-    return (
-        [f"Submitted late: {short(sheet.late_penalty)} points less."] if sheet.late_penalty else []
-    )

@@ -13,8 +13,8 @@ from fieldgrade.class_folder.decisions import ClassFolder, Decisions
 from fieldgrade.class_folder.roster import file_names
 from fieldgrade.gradebook.grade_sheets import GradeSheet, grade_sheets
 from fieldgrade.submissions.archive import Archive
-from fieldgrade.submissions.submission import MOST_BYTES, Submission
-from fieldrecon._core.atomic_files import write_atomically
+from fieldgrade.submissions.submission import MOST_RECEIVED, Submission
+from fieldrecon._core.atomic_files import write_if_changed
 
 DEFAULT_FOLDER = Path("class")
 
@@ -95,12 +95,12 @@ class GradedClass:
         return file_names(dict.fromkeys(sheet.student["student"] for sheet in self.sheets))
 
     def write(self, name: str, text: str) -> Path:
-        """Write a file to the output folder, and return its path."""
-        return write_atomically(self.out / name, text.encode("utf-8", "replace"))
+        """Write a file to the output folder, unless it is there unchanged, and return its path."""
+        return write_if_changed(self.out / name, text.encode("utf-8", "replace"))
 
     def submission(self, record: Record) -> Submission:
         """Return a submission from the archive beside the results."""
-        content = Archive(self.file.parent / "received").read(record.digest, MOST_BYTES)
+        content = Archive(self.file.parent / "received").read(record.digest, MOST_RECEIVED)
         return Submission(record.student, record.file, content)
 
     def records(self, notebook: str) -> dict[str, Record]:

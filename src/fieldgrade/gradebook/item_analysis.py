@@ -11,6 +11,7 @@ from itertools import groupby
 import numpy as np
 
 from fieldgrade.class_folder.csv_tables import to_csv
+from fieldgrade.gradebook.explanations import OUTCOMES
 from fieldgrade.gradebook.grade_sheets import GradeLine, GradeSheet
 from fieldgrade.html_pages import page, table
 
@@ -48,7 +49,9 @@ class ItemStatistics:
     discrimination : float, optional
         See `discrimination`.
     mistakes : tuple of (str, int)
-        The most common misconceptions with counts, or the rungs if none was recognised.
+        The most common mistakes with counts: recognised ones by name, others by their outcome.
+    title : str
+        The title of the question.
     """
 
     question: str
@@ -57,6 +60,7 @@ class ItemStatistics:
     mean: float
     discrimination: float | None
     mistakes: tuple[tuple[str, int], ...] = ()
+    title: str = ""
 
 
 def items(sheets: Iterable[GradeSheet]) -> list[ItemStatistics]:
@@ -122,7 +126,7 @@ def _items(sheets: Sequence[GradeSheet]) -> Iterable[ItemStatistics]:
             continue
         lines = [sheet.lines[index] for sheet in graded]
         scores = np.array([line.points / line.possible for line in lines])
-        rest = np.array([s.earned - s.lines[index].points for s in graded])
+        rest = np.array([s.earned - s.lines[index].points * first.counts for s in graded])
         mistakes = Counter(filter(None, map(_mistake, lines)))
         yield ItemStatistics(
             first.question,
@@ -131,6 +135,7 @@ def _items(sheets: Sequence[GradeSheet]) -> Iterable[ItemStatistics]:
             float(scores.mean()),
             discrimination(scores, rest),
             tuple(_commonest(mistakes)),
+            first.title,
         )
 
 
@@ -139,14 +144,17 @@ def _commonest(mistakes: Counter[str]) -> list[tuple[str, int]]:
 
 
 def _mistake(line: GradeLine) -> str:
-    """Return the misconception of an answer, or its rung."""
+    """Return the recognised mistake of an answer, or its outcome."""
     if line.grade is None or line.grade.verdict.right:
         return ""
-    return line.grade.verdict.mistake or line.grade.verdict.rung
+    return line.grade.verdict.mistake or OUTCOMES[line.grade.verdict.finding]
 
 
 def analysis_page(
-    found: Sequence[ItemStatistics], titles: Mapping[str, str], subtitle: str = ""
+    found: Sequence[ItemStatistics],
+    titles: Mapping[str, str],
+    subtitle: str = "",
+    attention: str = "",
 ) -> str:
     """Return the page with a table for each notebook.
 
@@ -158,8 +166,11 @@ def analysis_page(
         The titles of the notebooks.
     subtitle : str
         The numbers of notebooks and students.
+    attention : str
+        The address of the page of submissions that need the instructor's eyes.
     """
-    body = [f"<p>{escape(EXPLAINED)}</p>"]
+    link = f'<p><a href="{escape(attention)}">Submissions that need your eyes</a></p>'
+    body = [link if attention else "", f"<p>{escape(EXPLAINED)}</p>"]
     for notebook, its in groupby(found, key=lambda item: item.question.partition(".")[0]):
         title = f"{notebook} {titles.get(notebook, '')}".strip()
         body.append(f"<h2>{escape(title)}</h2>{table(COLUMNS, map(_row, its), numbers=(1, 3, 4))}")
@@ -169,7 +180,7 @@ def analysis_page(
 def _row(item: ItemStatistics) -> tuple[str, ...]:
     bar = f'<span class="bar" style="width:{BAR * item.failed:.2f}em"></span>'
     return (
-        escape(item.question),
+        escape(f"{item.question} {item.title}".strip()),
         str(item.answers),
         f'<span class="bars">{bar} {item.failed:.0%}</span>',
         f"{item.mean:.0%}",

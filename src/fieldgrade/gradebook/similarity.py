@@ -15,15 +15,16 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from itertools import combinations
+from itertools import combinations, islice
 
 from fieldgrade.class_folder.csv_tables import to_csv
 from fieldgrade.html_pages import page, table
-from fieldgrade.submissions.definitions import is_stub
+from fieldgrade.submissions.definitions import MOST_PARSED, is_stub, suppress_warnings
 
 K, WINDOW = 12, 8
 """Nodes of a hashed run, and hashes of which one is kept: 19 shared nodes are always found, fewer
@@ -32,6 +33,12 @@ MOST_SHARED = 0.1
 """Code that more than this share of a class has in common is excluded."""
 FEWEST = 3
 """... but code of at most this many students is never excluded."""
+
+LINE_END = re.compile(r"\r\n?|\n")
+"""Python's own; str.splitlines splits at other characters, too."""
+MOST_NODES, MOST_COMPARED = 50_000, 200
+"""Nodes and functions of a student that are compared at most; a notebook has about twenty
+functions."""
 
 MOST_PAIRS = 30
 """Pairs that are shown in full; the table has all pairs."""
@@ -61,12 +68,15 @@ class Code:
         The nodes of each, in normal form, with their lines in the text.
     prints : mapping
         The fingerprints of each, with the index of the run of nodes.
+    left_out : int
+        How many functions or cells are not compared, since there are too many or they are too long.
     """
 
     student: str
     texts: Mapping[str, str]
     nodes: Mapping[str, Sequence[Node]]
     prints: Mapping[str, Mapping[int, int]]
+    left_out: int = 0
 
     def all_prints(self) -> set[int]:
         """Return the fingerprints of all functions together."""
@@ -123,20 +133,30 @@ def _alike(one: Sequence[Node], other: Sequence[Node], i: int, j: int) -> Iterat
 
 def code(student: str, cells: Iterable[str]) -> Code:
     """Return the functions in the cells of a student, except stubs."""
-    found = [(cell, function) for cell in cells for function in _functions(cell)]
+    cells = list(cells)
+    short = [cell for cell in cells if len(cell) <= MOST_PARSED]
+    found = [(cell, function) for cell in short for function in _functions(cell)]
     own = {function.name for _, function in found}
     texts: dict[str, str] = {}
     nodes: dict[str, list[Node]] = {}
+    left, left_out = MOST_NODES, len(cells) - len(short)
     for cell, function in found:
         first = min([function.lineno, *(n.lineno for n in function.decorator_list)])
-        texts[function.name] = "\n".join(cell.splitlines()[first - 1 : function.end_lineno])
-        nodes[function.name] = [(kind, line - first) for kind, line in normalised(function, own)]
-    return Code(student, texts, nodes, {name: dict(winnowed(nodes[name])) for name in nodes})
+        its = [(kind, n - first) for kind, n in islice(normalised(function, own), left + 1)]
+        if len(its) > left or len(nodes) == MOST_COMPARED:
+            left_out += 1
+            continue
+        left -= len(its)
+        texts[function.name] = "\n".join(LINE_END.split(cell)[first - 1 : function.end_lineno])
+        nodes[function.name] = its
+    prints = {name: dict(winnowed(nodes[name])) for name in nodes}
+    return Code(student, texts, nodes, prints, left_out)
 
 
 def _functions(cell: str) -> list[ast.FunctionDef]:
     try:
-        tree = ast.parse(cell)
+        with suppress_warnings():
+            tree = ast.parse(cell)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return []
     return [n for n in tree.body if isinstance(n, ast.FunctionDef) and not is_stub(n)]
@@ -198,6 +218,8 @@ def _kind(node: ast.AST, bound: set[str]) -> str:
             return f"{kind} {'' if name in bound else name}"
         case ast.Attribute(attr=name):
             return f"{kind} {name}"
+        case ast.Constant(value=int(value)) if type(value) is int:
+            return f"{kind} {value:x}"  # Python refuses to write thousands of decimal digits
         case ast.Constant(value=value):
             return f"{kind} {'' if isinstance(value, str | bytes) else repr(value)}"
         case ast.keyword(arg=name):
@@ -228,7 +250,8 @@ def winnowed(nodes: Sequence[Node], k: int = K, window: int = WINDOW) -> list[tu
 
 def _hash(run: Sequence[Node]) -> int:
     text = "\0".join(kind for kind, _ in run)
-    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=8).digest(), "big")
+    content = text.encode("utf-8", "surrogatepass")
+    return int.from_bytes(hashlib.blake2b(content, digest_size=8).digest(), "big")
 
 
 def pairs(codes: Sequence[Code], handed_out: Code | None = None) -> list[Pair]:
@@ -303,7 +326,7 @@ def _pair(number: int, pair: Pair) -> Iterator[str]:
 def _side(code: Code, name: str, marked: set[int]) -> str:
     text = "\n".join(
         f"<mark>{escape(line)}</mark>" if n in marked and line.strip() else escape(line)
-        for n, line in enumerate(code.texts[name].splitlines())
+        for n, line in enumerate(code.texts[name].split("\n"))
     )
     return f'<div><p class="quiet">{escape(code.student)}</p><pre>{text}</pre></div>'
 

@@ -18,7 +18,9 @@ from fieldgrade.authoring.hidden_cases import hidden_cases
 from fieldgrade.authoring.notebooks import stub
 from fieldgrade.authoring.sources import Source
 from fieldgrade.authoring.trials import Trial, grade, trials
+from fieldgrade.grader_validation.inherited_mistakes import blamed, unpaid
 from fieldgrade.grader_validation.mutants import mutants
+from fieldgrade.grader_validation.single_inputs import caught_by_few
 
 FEWEST_ALTERNATIVES = 3
 FEWEST_CAUGHT = 0.95
@@ -76,6 +78,11 @@ def grader_reports(source: Source, salt: str, only: str = "") -> Iterator[Grader
                 [m for m in mistakes if m.question == question.name],
                 [a for a in others if a.question == question.name],
                 reasons.get(question.name, {}),
+            ).with_problems(
+                [
+                    *blamed(question, functions, mistakes),
+                    *unpaid(question, functions, source, tried),
+                ]
             )
 
 
@@ -94,6 +101,7 @@ def _report(
         *_reference_and_stub(tried, functions, stub(cell)),
         *_mistakes(tried, functions, mistakes),
         *_apart(tried[0]),
+        *caught_by_few(tried, functions, mistakes),
         *_alternatives(tried, functions, others),
         *(f"no reason is given why this survives: {s}" for s in survivors if s not in reasons),
         *(f"a reason is given, but this is caught: {s}" for s in reasons if s not in survivors),
@@ -116,7 +124,7 @@ def _reference_and_stub(
     if not verdict.right:
         yield f"the solution is not right: {verdict}"
     verdict = grade(tried, functions | _defined(empty, functions))
-    if verdict.rung != "unwritten" or verdict.credit:
+    if verdict.finding != "unwritten" or verdict.credit:
         yield f"the stub should get the verdict unwritten; it gets: {verdict}"
 
 

@@ -86,7 +86,7 @@ class RoundingTest:
         functions = entry.namespace(self.functions) if entry else self.functions
         outcomes = perform(functions, tried, TIMEOUT_FACTOR * question.limit)
         verdict = judge(replace(question, limit=np.inf), calls, outcomes, known)
-        return repr(verdict.mistake) if verdict.mistake else verdict.rung
+        return repr(verdict.mistake) if verdict.mistake else verdict.finding
 
 
 def rounding_test(source: Source, salt: str, only: str = "") -> RoundingTest:

@@ -5,5 +5,5 @@
 run, and the ``ledger`` logs what ran.
 """
 
-FOR_WORKERS = ("fieldgrade.grading.batch", "jupytext")
-"""Modules that worker processes import before they start."""
+FOR_WORKERS = ("fieldgrade.grading.shared_modules",)
+"""The module that is imported once, before worker processes are forked."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, TypeVar
 
 from fieldgrade.checking.cache import Cache, keys
@@ -74,6 +75,7 @@ def run_in_worker(
     submission: Submission,
     notebook: str,
     checks: Mapping[str, tuple[str, ...]],
+    known: CheckResults,
 ) -> SandboxRun:
     """Run checks with the server of this thread; if the server fails, with a new one.
 
@@ -83,7 +85,9 @@ def run_in_worker(
         The grader fails with the new server too.
     """
     return worker_servers.with_server(
-        server.tier, server.limits, lambda s: run_checks(course, s, submission, notebook, checks)
+        server.tier,
+        server.limits,
+        lambda s: run_checks(course, s, submission, notebook, checks, known),
     )
 
 
@@ -118,7 +122,15 @@ class Batch:
     workers: int = 1
 
     def records(self, tasks: Iterable[GradingTask]) -> Iterator[tuple[GradingTask, Record]]:
-        """Yield a record for each task, as they are completed; no submission ends this."""
+        """Yield a record for each task, as they are completed; no submission ends this.
+
+        Raises
+        ------
+        BrokenExecutor
+            The executor takes no more work.
+        OSError
+            The results cannot be kept, for example on a full disk.
+        """
         return as_completed_in_window(self._begin, tasks, 2 * self.workers)
 
     def _begin(
@@ -127,10 +139,10 @@ class Batch:
         """Begin a task: return the future to wait for, and the function to call after it."""
         try:
             future, finish = self._submit(task)
-        except (BrokenExecutor, OSError):
+        except BrokenExecutor:
             raise
-        except Exception as error:  # the sources of a course may be broken
-            record = self._fault(task, error)
+        except Exception as error:  # the submission is listed, and the class is graded
+            record = _with_receipt(task.file, self._failed(task, error))
             return None, lambda: (task, record)
         return future, lambda: (task, _with_receipt(task.file, finish()))
 
@@ -138,18 +150,17 @@ class Batch:
         """Submit the checks whose results are not cached."""
         if not task.file.notebook:
             return None, lambda: _unreadable(task.file)
-        submission = task.file.submission(self.archive)
-        _ = (
-            submission.definitions
-        )  # parsed here, where the stack is deep enough for any syntax tree
+        submission = task.file.submission(self.archive).parsed()
         cached = self._cached(submission, task.questions)
         todo = cached.missing()
         if not todo:
-            return None, lambda: self._record(task, submission, cached, SandboxRun({}))
-        future = self.executor.submit(
-            run_in_worker, self.course, self.server, submission, task.file.notebook, todo
-        )
-        return future, lambda: self._finish(task, submission, cached, future)
+            record = self._record(task, submission, cached, SandboxRun({}))
+            return None, lambda: record
+        known = {q: its for q, its in cached.results.items() if q not in todo}
+        work = self.course, self.server, submission, task.file.notebook, todo, known
+        future = self.executor.submit(run_in_worker, *work)
+        again = partial(worker_servers.run_alone, run_in_worker, *work)
+        return future, lambda: self._finish(task, submission, cached, future, again)
 
     def _cached(self, submission: Submission, questions: Iterable[str]) -> CachedResults:
         names = {q: keys(self.course, self.server, submission, q) for q in questions}
@@ -166,20 +177,28 @@ class Batch:
         submission: Submission,
         cached: CachedResults,
         future: Future[SandboxRun],
+        again: Callable[[], SandboxRun],
     ) -> Record:
-        """Cache the new results, note them in the ledger, and return the record."""
+        """Cache the new results, note them in the ledger, and return the record.
+
+        If the worker process was lost, the submission runs once more, `again`. An error of the
+        grader with one submission is a status of this submission.
+
+        Raises
+        ------
+        OSError
+            The results cannot be kept.
+        """
         try:
-            sandbox_run = future.result()
-        except BrokenExecutor:
-            raise
+            sandbox_run = _first_or_again(future, again)
+            record = self._record(task, submission, cached, sandbox_run)
         except Exception as error:
-            return self._fault(task, error)
+            return self._failed(task, error)
         new, made = dict[str, CheckResult](), dict[str, dict[str, str]]()
         for question, results in sandbox_run.results.items():
             made[question] = {check: self.course.checks(question)[check] for check in results}
             new |= {cached.keys[question][check]: r for check, r in results.items()}
         self.cache.put(submission, new)
-        record = self._record(task, submission, cached, sandbox_run)
         self.ledger.note(record, made)
         return record
 
@@ -194,17 +213,24 @@ class Batch:
         tier, notebook = self.server.tier, task.file.notebook
         return assemble_record(self.course, submission, notebook, tier, complete)
 
-    def _fault(self, task: GradingTask, error: Exception) -> Record:
+    def _failed(self, task: GradingTask, error: Exception) -> Record:
         file, note = task.file, f"the grader failed: {error}"
         return Record(
             file.student,
             file.name,
             file.digest,
             file.notebook,
-            "fault",
+            "grader failed",
             self.server.tier,
             notes=(note,),
         )
+
+
+def _first_or_again(future: Future[SandboxRun], again: Callable[[], SandboxRun]) -> SandboxRun:
+    try:
+        return future.result()
+    except BrokenExecutor:  # perhaps for another submission that ran at the same time
+        return again()
 
 
 def _unreadable(file: ReceivedFile) -> Record:

@@ -17,7 +17,9 @@ from fieldgrade.grading.run import GradingRun
 from fieldrecon._core.blas_threads import one_blas_thread
 from fieldrecon._core.worker_processes import prepare
 
-QUIET = ("-p", "no:terminalreporter")
+QUIET = ("terminalreporter",)
+UNUSED = ("logging", "warnings", "threadexception", "unraisableexception")
+"""Plugins of pytest that take time for every item, and that only checks of instructors may use."""
 
 
 def grade_class(
@@ -50,12 +52,13 @@ def grade_class(
     ValueError
         There is nothing to be graded, a table or a check is wrong, or so are the options.
     """
+    quiet = _without(QUIET if run.checks else (*QUIET, *UNUSED))
     if executor is None and run.jobs > 1:
         prepare(FOR_WORKERS)
     _ = run.taken  # errors in tables and submissions are reported first
     grading = Grading(run, executor, progress)
     with one_blas_thread(), isolated_pytest():
-        status = pytest.main([*_arguments(run), *(options or QUIET)], plugins=[grading])
+        status = pytest.main([*_arguments(run), *(options or quiet)], plugins=[grading])
     if grading.error:
         raise RuntimeError(f"the grader failed: {grading.error}") from grading.error
     if grading.problems:
@@ -67,6 +70,11 @@ def grade_class(
     if grading.results is None:
         raise ValueError("no check was selected")
     return grading
+
+
+def _without(plugins: Sequence[str]) -> list[str]:
+    """Return the options of pytest that switch off plugins."""
+    return [option for name in plugins for option in ("-p", f"no:{name}")]
 
 
 @contextmanager

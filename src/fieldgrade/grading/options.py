@@ -5,11 +5,14 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from fieldgrade.grading.run import Choice, GradingRun, chosen_tier
-from fieldgrade.isolation.server import TIERS
+from fieldgrade.isolation.memory import fitting_jobs
+from fieldgrade.isolation.server import TIERS, Limits
 from fieldrecon._core.worker_processes import available_cores
+
+if TYPE_CHECKING:
+    from fieldgrade.grading.run import GradingRun
 
 TABLES = Path("class")
 
@@ -56,19 +59,22 @@ def declare(add: Callable[..., Any]) -> None:
 
 
 def run_of(options: argparse.Namespace) -> tuple[GradingRun, str]:
-    """Return the run that the options describe, and a warning if there is no sandbox.
+    """Return the run that the options describe, and warnings: no sandbox, or little memory.
 
     Raises
     ------
     ValueError
         The options contradict each other, or the tier does not work on this machine.
     """
+    from fieldgrade.grading.run import Choice, GradingRun, chosen_tier
+
     if options.question and options.only and options.question[:2] not in options.only:
         raise ValueError(f"question {options.question} is not in {', '.join(options.only)}")
     tables = options.tables if options.tables.is_dir() else None
     if tables is None and options.tables != TABLES:
         raise ValueError(f"{options.tables} is not a folder with the tables of a class")
     tier, banner = chosen_tier(options.tier, options.require_isolation)
+    workers, memory = fitting_jobs(options.jobs, Limits())
     choice = Choice(frozenset(options.only), options.question, options.student)
     run = GradingRun(
         Path(options.submissions),
@@ -76,7 +82,7 @@ def run_of(options: argparse.Namespace) -> tuple[GradingRun, str]:
         options.root,
         tables,
         tier,
-        options.jobs,
+        workers,
         choice,
     )
-    return run, banner
+    return run, "\n".join(filter(None, (banner, memory)))

@@ -102,7 +102,7 @@ class CheckItem(pytest.Item):
         """Pass, fail or skip by the record of the submission."""
         record = self.record(self.answer_id)
         if self.check == READABLE or not record.grades:
-            if record.status in ("unreadable", "fault"):
+            if record.status in ("unreadable", "grader failed"):
                 pytest.fail(printable("; ".join(record.notes)), pytrace=False)
             return
         grade = next(g for g in record.grades if g.question == self.answer_id.question)
@@ -140,11 +140,14 @@ def items(
                 check=check,
                 record=record,
             )
-            item.extra_keyword_matches.update(
-                (answer_id.student, answer_id.notebook, answer_id.question)
-            )
+            name_for_option_k(item, answer_id)
             item.add_marker(group(answer_id))
             yield item
+
+
+def name_for_option_k(item: pytest.Item, answer_id: AnswerId) -> None:
+    """Have ``-k`` select an item by student, notebook and question."""
+    item.extra_keyword_matches.update((answer_id.student, answer_id.notebook, answer_id.question))
 
 
 def check_of(holder: pytest.Function | Any) -> InstructorCheck | None:
@@ -209,7 +212,7 @@ class InstructorCheckRunner:
             It fails on the solution.
         """
         made_by, name = _made_by(item, check), _in_words(item)
-        key = self._key(made_by, submission)
+        key = self._key(made_by, check.question, submission)
         found = self.run.cache.get(submission).get(key)
         if found is None:
             self._require_passes_on_solution(item, check, made_by)
@@ -230,8 +233,8 @@ class InstructorCheckRunner:
                 f"{_in_words(item)} fails on the solution: {self.errors_on_solution[made_by]}"
             )
 
-    def _key(self, made_by: str, submission: Submission) -> str:
-        server = self.run.server
+    def _key(self, made_by: str, question: str, submission: Submission) -> str:
+        server, course = self.run.server, self.run.course
         return json_digest(
             made_by,
             submission.code_digest,
@@ -239,6 +242,7 @@ class InstructorCheckRunner:
             grader_digest(),
             server.tier,
             asdict(server.limits),
+            [course.made_by(earlier) for earlier in course.given(question)],
         )
 
 

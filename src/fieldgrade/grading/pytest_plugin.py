@@ -23,6 +23,7 @@ from fieldgrade.checking.instructor_checks import (
     InstructorCheckResult,
     answer_of_submission,
     apply_instructor_checks,
+    given_functions,
 )
 from fieldgrade.checking.results import Record, Results, record_from_json, record_to_json
 from fieldgrade.grading.batch import Batch, GradingTask
@@ -36,6 +37,7 @@ from fieldgrade.grading.pytest_items import (
     answer_of_item,
     check_of,
     items,
+    name_for_option_k,
     parametrized,
 )
 from fieldgrade.grading.run import GradingRun
@@ -43,7 +45,7 @@ from fieldgrade.isolation import worker_servers
 from fieldgrade.isolation.server import GraderError
 from fieldgrade.submissions.submission import Submission
 
-CHECKED, FAULT = pytest.StashKey[InstructorCheckResult](), pytest.StashKey[str]()
+CHECKED, FAILURE = pytest.StashKey[InstructorCheckResult](), pytest.StashKey[str]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -77,7 +79,12 @@ def answer(request: pytest.FixtureRequest) -> Any:
     """Call a student's functions in the sandbox: ``answer("01.2", *arguments)``."""
     grading = grading_of(request.config)
     assert grading is not None
-    return answer_of_submission(grading.run.server, grading.submission(request.param))
+    run, submission = grading.run, grading.submission(request.param)
+    grades = [
+        g for g in grading.record(request.param).grades if g.question == request.param.question
+    ]
+    given = given_functions(run.course, *grades) if grades else {}
+    return answer_of_submission(run.server, submission, given)
 
 
 def grading_of(config: pytest.Config) -> Grading | None:
@@ -134,7 +141,12 @@ class Grading:
         self, session: pytest.Session, items: list[pytest.Item]
     ) -> Generator[None, None, None]:
         """Prepend the items of submissions; after the selection, note which remain."""
-        items[:0] = self._items(session)
+        for item in items:
+            if answer_id := answer_of_item(item):
+                name_for_option_k(item, answer_id)
+        mine = self._items(session)
+        self._report_collected(session, mine)
+        items[:0] = mine
         self._of = Counter(filter(None, map(_answer_id, items)))
         yield
         chosen = set(filter(None, map(_answer_id, items)))
@@ -145,6 +157,12 @@ class Grading:
                     answer_id.question for answer_id in chosen_ids if answer_id.question
                 )
                 self._tasks[chosen_ids[0].whole] = GradingTask(task.file, questions)
+
+    def _report_collected(self, session: pytest.Session, mine: list[pytest.Item]) -> None:
+        """Have pytest count items that no collector found: ``collected 50 items``."""
+        found: list[pytest.Item | pytest.Collector] = list(mine)
+        report = pytest.CollectReport(str(self.run.submissions), "passed", None, found)
+        session.config.hook.pytest_collectreport(report=report)
 
     def _items(self, session: pytest.Session) -> list[pytest.Item]:
         run = self.run
@@ -202,9 +220,9 @@ class Grading:
             pytest.skip(f"{answer_id.question} is not right")
         try:
             checked = self._instructor_checks.checked(pyfuncitem, check, self.submission(answer_id))
-        except GraderError as fault:
-            pyfuncitem.stash[FAULT] = str(fault)
-            pytest.fail(f"the grader failed: {fault}", pytrace=False)
+        except GraderError as failure:
+            pyfuncitem.stash[FAILURE] = str(failure)
+            pytest.fail(f"the grader failed: {failure}", pytrace=False)
         pyfuncitem.stash[CHECKED] = checked
         if not checked.passed:
             pytest.fail(check.sentence, pytrace=False)
@@ -221,8 +239,8 @@ class Grading:
         answer_id = _answer_id(item)
         if answer_id and call.when == "teardown":
             fresh, self._fresh = self._fresh, []
-            checked, fault = item.stash.get(CHECKED, None), item.stash.get(FAULT, "")
-            report.graded = to_text(answer_id, self._of[answer_id], fresh, checked, fault)
+            checked, failure = item.stash.get(CHECKED, None), item.stash.get(FAILURE, "")
+            report.graded = to_text(answer_id, self._of[answer_id], fresh, checked, failure)
         return report
 
     def pytest_internalerror(self, excinfo: pytest.ExceptionInfo[BaseException]) -> None:
@@ -259,7 +277,7 @@ def to_text(
     of: int,
     records: Iterable[Record],
     checked: InstructorCheckResult | None,
-    fault: str,
+    failure: str,
 ) -> str:
     """Return the results of an item as text, which can be sent between processes.
 
@@ -273,7 +291,7 @@ def to_text(
         Records that were completed in the meantime, of any submission.
     checked : InstructorCheckResult, optional
         The result of an instructor's check.
-    fault : str
+    failure : str
         The failure of the grader; empty if there is none.
     """
     return json.dumps(
@@ -282,7 +300,7 @@ def to_text(
             "of": of,
             "records": [record_to_json(r) for r in records],
             "checked": asdict(checked) if checked else None,
-            "fault": fault,
+            "failure": failure,
         }
     )
 
@@ -295,12 +313,12 @@ class ReportCollector:
     ----------
     records : dict
         The records, by submission.
-    faults : list of str
+    failures : list of str
         Failures of the grader.
     """
 
     records: dict[AnswerId, Record] = field(default_factory=dict)
-    faults: list[str] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)
     _done: Counter[AnswerId] = field(default_factory=Counter)
     _of: dict[AnswerId, int] = field(default_factory=dict)
     _checked: dict[AnswerId, list[InstructorCheckResult]] = field(default_factory=dict)
@@ -318,8 +336,8 @@ class ReportCollector:
             self._checked.setdefault(answer_id.whole, []).append(
                 InstructorCheckResult(check, **data["checked"])
             )
-        if data["fault"] and data["fault"] not in self.faults:
-            self.faults.append(data["fault"])
+        if data["failure"] and data["failure"] not in self.failures:
+            self.failures.append(data["failure"])
 
     def complete(self) -> Iterator[Record]:
         """Yield records with the grades of the questions whose checks are complete."""

@@ -15,7 +15,15 @@ from fieldgrade.authoring.sources import Source
 from fieldgrade.checking.cache import Cache
 from fieldgrade.checking.course import Course
 from fieldgrade.checking.dependency_digests import environment_digest, grader_digest
-from fieldgrade.checking.results import Record, Results, merged, read_results, write_results
+from fieldgrade.checking.results import (
+    Record,
+    Results,
+    merged,
+    read_results,
+    require_known_version,
+    write_results,
+)
+from fieldgrade.class_folder.private import keep_out_of_git
 from fieldgrade.class_folder.roster import Student, columns, read_points, read_roster, read_times
 from fieldgrade.grading.batch import GradingTask
 from fieldgrade.grading.ledger import Ledger
@@ -152,7 +160,8 @@ class GradingRun:
         Raises
         ------
         ValueError
-            There is nothing to be graded, or a table is wrong.
+            There is nothing to be graded, a table is wrong, or the folder of results was written
+            by another version.
         """
         if self.choice.question:
             get(self.choice.question)
@@ -165,6 +174,9 @@ class GradingRun:
             raise ValueError(
                 f"{self.out} is in {self.submissions}: results must not be among the submissions"
             )
+        if (self.out / RESULTS).is_file():
+            require_known_version(self.out / RESULTS)
+        keep_out_of_git(self.out)
         file = self._table("received.csv")
         times = read_times(file) if file else {}
         intake = Intake(self.archive, self.course.functions(), self.roster, times)
@@ -191,8 +203,27 @@ class GradingRun:
         """
         file = self.out / RESULTS
         before = read_results(file).records if file.is_file() else ()
-        results = self.results(merged(before, records))
+        results = self.results(merged(self._without_assigned(before), records))
         return results, write_results(results, file)
+
+    def _without_assigned(self, before: Iterable[Record]) -> list[Record]:
+        """Return earlier records, except of strangers whose files now belong to a student.
+
+        Otherwise the name in the download would stay in the results after the roster has been
+        corrected.
+        """
+        if not self.roster or self.choice.student:
+            return list(before)
+        files = self.taken[0]
+        submitters = {file.student for file in files}
+        owned = {(file.name, file.digest) for file in files if file.student in self.roster}
+        return [
+            record
+            for record in before
+            if record.student in self.roster
+            or record.student in submitters
+            or (record.file, record.digest) not in owned
+        ]
 
     def results(self, records: tuple[Record, ...]) -> Results:
         """Return records with roster, questions and digests."""
@@ -210,6 +241,9 @@ class GradingRun:
 
     def _asked(self) -> Iterator[dict[str, Any]]:
         worth = self.course.worth
+        titles = {q: t for s in self.course.sources for q, t in s.question_titles.items()}
+        headers = (header for s in self.course.sources for header in s.headers.values())
+        optional = {header.question for header in headers if header.is_optional}
         code = [
             {
                 "question": q.name,
@@ -221,7 +255,9 @@ class GradingRun:
             for q in questions().values()
         ]
         for asked in sorted((*code, *self.written_questions), key=lambda q: _order(q["question"])):
-            yield asked | {"points": worth.get(asked["question"], asked["points"])}
+            name = asked["question"]
+            entry = {"title": titles.get(name, ""), "points": worth.get(name, asked["points"])}
+            yield asked | entry | ({"optional": True} if name in optional else {})
 
 
 def _order(question: str) -> tuple[int, ...]:

@@ -6,21 +6,22 @@ import json
 import os
 import socket
 import subprocess
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
 from typing import Any, Literal
 
 from fieldgrade.isolation import file_access
-from fieldgrade.sandbox import homes, landlock, seccomp
+from fieldgrade.isolation.scratch import Scratch
+from fieldgrade.sandbox import landlock, seccomp
 
 Tier = Literal["bubblewrap", "landlock", "none"]
 TIERS: tuple[Tier, ...] = ("bubblewrap", "landlock", "none")
 MEBIBYTE = 1 << 20
 SECONDS_TO_START = 60.0
 SECONDS_TO_END = 30.0
+OWN_MOUNTS = True
+"""Whether servers try to have mounts of their own; tests show what holds without them."""
 BANNER = (
     "NOT ISOLATED: this machine has neither bubblewrap nor Landlock, so students' code runs "
     "with your rights. Grade in a container instead: see docs/threat-model.md."
@@ -29,6 +30,10 @@ BANNER = (
 
 class GraderError(Exception):
     """The grader fails, not the submission."""
+
+
+class MachineFailed(RuntimeError):
+    """The machine or the server failed while a submission ran: the submission must run again."""
 
 
 @dataclass(frozen=True)
@@ -45,8 +50,8 @@ class Limits:
     file_size : int
         Bytes of one file.
     seconds_per_cell, seconds_per_call : float
-        Time limits of a cell and of a call, after which the process is killed; a call with its own
-        limit is killed after the shorter one.
+        Time limits of a statement of a cell and of a call, after which the process is killed; a
+        call with its own limit is killed after the shorter one.
     seconds_in_all : float
         Time limit of a whole submission.
     most_starts : int
@@ -71,14 +76,15 @@ class ProcessEnd:
     killed : bool
         Whether it still ran and was killed at the end.
     ended_for : str
-        Why it was killed before that: ``"threads"``, ``"disk"``, or ``"server"`` if the server
-        ended too.
+        Why it was killed before that: ``"threads"`` or ``"disk"``.
     signal, exit : int
         The signal that ended the process, or its exit status.
     cpu_seconds : float
         Processor time.
     peak : int
         Peak memory, in bytes.
+    machine : str
+        A failure of the machine, such as a full disk, as a sentence; empty if there was none.
     """
 
     killed: bool = False
@@ -87,6 +93,7 @@ class ProcessEnd:
     exit: int = 0
     cpu_seconds: float = 0.0
     peak: int = 0
+    machine: str = ""
 
 
 def tiers() -> tuple[Tier, ...]:
@@ -157,6 +164,14 @@ class Server:
         os.close(their_out)
         return to_them, from_them
 
+    def exceeds_a_limit(self) -> bool:
+        """Whether the process has too many threads or too large a home; if so, it is killed."""
+        try:
+            self._control.sendall(b"l")
+            return self._control.recv(1) == b"-"
+        except OSError:  # the end of the server is noticed at the pipes
+            return False
+
     def end(self, patiently: bool = False) -> ProcessEnd:
         """End the process, if it has not ended yet, and return how it ended.
 
@@ -175,18 +190,19 @@ class Server:
                 answer += part
         except OSError:  # the server has ended, or takes too long
             self._stop()
-            return ProcessEnd(killed=True, ended_for="server")
+            return ProcessEnd(killed=True, machine="the sandbox server ended or does not answer")
         return ProcessEnd(**json.loads(answer))
 
     def _start(self) -> None:
-        self._scratch = Path(tempfile.mkdtemp(prefix="grading-"))
-        folders = file_access.SandboxFolders.create(self._scratch)
+        self._scratch = Scratch.create()
+        folders = file_access.SandboxFolders.create(self._scratch.folder)
         self._control, theirs = socket.socketpair()
         self._control.settimeout(SECONDS_TO_START)
         settings: dict[str, Any] = {
             **folders.settings(),
             "limits": asdict(self.limits),
             "seccomp": self.tier != "none",
+            "mounts": self.tier != "none" and OWN_MOUNTS,
             "landlock": self.tier != "none" and landlock.version() > 0,
         }
         python = [*folders.python(), str(theirs.fileno()), json.dumps(settings)]
@@ -219,4 +235,4 @@ class Server:
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
-        homes.remove(str(self._scratch))
+        self._scratch.remove()

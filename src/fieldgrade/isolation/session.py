@@ -1,201 +1,41 @@
 """Run a submission in the sandbox: its cells, then calls, with recovery if a process fails.
 
-Deadlines are enforced here by killing the process, since code in the sandbox can refuse to be
-interrupted. A cell or call that hangs or crashes is left out; the others run again in a new
-process. A student's code can reach the pipe through which its process answers, so everything that
-comes from the pipe is validated.
+A statement or call that hangs or crashes is left out; the others run again in a new process. If
+cells crash too often, only what the answers need is run.
 """
 
 from __future__ import annotations
 
-import os
-import secrets
+import re
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from fieldcheck.calls import Call, Outcome
+from fieldgrade.authoring.right_functions import RightFunctions
+from fieldgrade.isolation.process import (
+    TOO_LARGE,
+    CellError,
+    NotStarted,
+    Process,
+    ProcessFailed,
+    Program,
+    as_number,
+    as_text,
+)
 from fieldgrade.isolation.server import ProcessEnd, Server
-from fieldgrade.sandbox import frames
+from fieldgrade.sandbox.missing import MOST_MISSING, NOTHING, Missing, validated
+from fieldgrade.sandbox.statements import NO_DEFINITION
 
-SECONDS_TO_START = 20.0
-GRACE = 1.0
-"""Seconds between the limit of a call, which interrupts it inside, and killing its process."""
-MOST_STRAYS = 100
-"""How many frames with a wrong number are ignored."""
-MOST_TEXT = 2000
-"""Characters of a text from the sandbox."""
-
-STATUSES = ("returned", "raised", "unwritten", "missing", "timed out")
+NAME = re.compile(r"\w{1,80}")
+SEEN_LATE = ("disk", "threads")
+"""Reasons to end a process that are seen when a later statement may run."""
+KEPT_OF_EACH_GROUP, KEPT_OF_ALL = 1 << 22, 1 << 26
+"""Bytes of values that each group of calls may return, and that all groups may share beyond."""
 
 MOST_FAILURES = 3
 """The largest number of failed starts."""
-
-
-class ProcessFailed(Exception):
-    """The process cannot be used any more; the reason as a word, and as a sentence."""
-
-    def __init__(self, reason: str, sentence: str) -> None:
-        super().__init__(sentence)
-        self.reason = reason
-
-
-class NotStarted(RuntimeError):
-    """No process starts, or it cannot restrict itself."""
-
-
-class Process:
-    """A process of a submission, from its start to its end.
-
-    Parameters
-    ----------
-    server : Server
-        A started server.
-    last : float
-        The time of ``time.monotonic`` after which nothing is requested.
-    """
-
-    def __init__(self, server: Server, last: float) -> None:
-        self.server, self.last = server, last
-        self.ended: ProcessEnd | None = None
-        self.to_it, self.from_it = server.run()
-
-    def await_start(self) -> None:
-        """Wait for the first frame, which is sent before any student's code runs.
-
-        Raises
-        ------
-        NotStarted
-            The frame does not come.
-        """
-        try:
-            frames.receive(self.from_it, time.monotonic() + SECONDS_TO_START)
-        except (frames.FrameTimeout, frames.BadFrame, frames.PipeClosed):
-            raise NotStarted(f"no process starts in the sandbox ({self.server.tier})") from None
-
-    def cell(self, number: int, code: str) -> str:
-        """Run a cell, and return its error; empty if there is none."""
-        seconds = self.server.limits.seconds_per_cell
-        head, _ = self._request({"cell": number, "code": code}, (), seconds)
-        return _text(head.get("error"))
-
-    def call(self, call: Call, seconds: float) -> Outcome:
-        """Make a call with a time limit in seconds, and return its outcome."""
-        seconds = min(seconds, self.server.limits.seconds_per_call)
-        start = time.monotonic()
-        head, values = self._request(*_call_frame(call, seconds), seconds + GRACE)
-        return _outcome(head, values, time.monotonic() - start)
-
-    def end(self, patiently: bool = False) -> ProcessEnd:
-        """End the process, and return how it ended."""
-        if self.ended is None:
-            self.ended = self.server.end(patiently)
-            os.close(self.to_it)
-            os.close(self.from_it)
-        return self.ended
-
-    def _request(
-        self, head: dict[str, Any], arrays: tuple[Any, ...], seconds: float
-    ) -> tuple[dict[str, Any], list[np.ndarray]]:
-        """Send a frame and return the answer, which has the same number.
-
-        A student's code can find the pipe and write to it. The number is random, so that nothing
-        can answer a future request, and a surplus answer is not taken for the next one.
-
-        Raises
-        ------
-        ProcessFailed
-            There is no answer in time, or it is not valid.
-        """
-        number, late = secrets.randbits(50), min(time.monotonic() + seconds, self.last)
-        try:
-            frames.send(self.to_it, head | {"frame": number}, arrays, late)
-            for _ in range(MOST_STRAYS):
-                answer, values = frames.receive(self.from_it, late)
-                if answer.get("frame") == number:
-                    return answer, values
-        except frames.FrameTimeout:
-            raise ProcessFailed("time", f"it was stopped after {seconds:.3g} seconds") from None
-        except frames.BadFrame as error:
-            raise ProcessFailed("output", f"no answer is available: {error}") from None
-        except frames.PipeClosed:
-            limit = self.server.limits.cpu_seconds
-            raise _death(self.end(patiently=True), limit) from None
-        raise ProcessFailed("output", "it sends answers to other requests")
-
-
-def _death(ended: ProcessEnd, cpu_seconds: float) -> ProcessFailed:
-    """Return the reason why a process ended by itself."""
-    watched = {
-        "threads": "it started too many threads",
-        "disk": "it wrote too much",
-        "server": "it ended the program that runs it",
-    }
-    signals = {
-        6: ("crash", "it aborted itself"),
-        9: ("memory", "it was ended by the system, as when memory runs out"),
-        11: ("crash", "it crashed (segmentation fault)"),
-        24: ("time", "it used up its processor time"),
-        25: ("output", "it wrote a file that is too large"),
-        31: ("crash", "it made a forbidden system call"),
-    }
-    if ended.ended_for:
-        reason = "crash" if ended.ended_for == "server" else ended.ended_for
-        return ProcessFailed(reason, watched.get(ended.ended_for, ended.ended_for))
-    if ended.killed:
-        return ProcessFailed("output", "it closed the pipe through which it answers")
-    if ended.signal == 9 and ended.cpu_seconds >= cpu_seconds:
-        return ProcessFailed(*signals[24])
-    if ended.signal:
-        unknown = f"it was ended by signal {ended.signal}"
-        return ProcessFailed(*signals.get(ended.signal, ("crash", unknown)))
-    return ProcessFailed("exit", f"it ended the program (exit status {ended.exit})")
-
-
-def _call_frame(call: Call, seconds: float) -> tuple[dict[str, Any], tuple[Any, ...]]:
-    """Return a call as the head and the arrays of a frame."""
-    arrays = tuple(a for a in call.arguments if isinstance(a, np.ndarray))
-    numbers = iter(range(len(arrays)))
-    arguments = [
-        {"array": next(numbers)} if isinstance(a, np.ndarray) else {"number": a}
-        for a in call.arguments
-    ]
-    head = {
-        "function": call.function,
-        "arguments": arguments,
-        "case": call.case,
-        "seconds": seconds,
-    }
-    return head, arrays
-
-
-def _outcome(head: dict[str, Any], values: list[np.ndarray], seconds: float) -> Outcome:
-    """Return the outcome in an answer, validated; the time is measured here."""
-    status, modified = head.get("status"), head.get("modified")
-    if status == "too large":
-        return Outcome("raised", error="what it returns is too large")
-    if status not in STATUSES:
-        return Outcome("raised", error="what it returns cannot be read")
-    return Outcome(
-        status,
-        values=tuple(values) if head.get("numbers") is True else None,
-        returned=_text(head.get("returned")),
-        error=_text(head.get("error")),
-        line=_text(head.get("line")),
-        seconds=seconds,
-        modified=tuple(int(i) for i in modified if isinstance(i, int))
-        if isinstance(modified, list)
-        else (),
-    )
-
-
-def _text(text: object) -> str:
-    """Return a text, validated: short, and without control characters."""
-    words = text[:MOST_TEXT] if isinstance(text, str) else ""
-    return "".join(c if c.isprintable() or c == "\n" else "\ufffd" for c in words)
 
 
 @dataclass
@@ -205,7 +45,17 @@ class SessionLog:
     Parameters
     ----------
     cell_errors : dict
-        The errors of cells, by the number of the cell.
+        The first error of each cell that has one, by the index of the cell.
+    missing : Missing
+        Modules, files and fonts that cells need and that are not there.
+    missing_in_calls : dict
+        The same for the calls of each group, by name; hidden inputs may decide what is missing.
+    stubs : list of str
+        Functions for which a stub stands after an answer; the stub was passed over.
+    unused_files : list of str
+        Submitted files that are not used, since a library has their name.
+    needed_only : bool
+        Whether only the statements that the answers need were run.
     processes : list of ProcessEnd
         The end of each process.
     killed : list of str
@@ -215,13 +65,21 @@ class SessionLog:
         The same for the groups in which it happened, by name; all others happened in cells.
     seconds : float
         Total wall time.
+    room : int
+        Bytes that the groups may still share for large values.
     """
 
-    cell_errors: dict[int, str] = field(default_factory=dict)
+    cell_errors: dict[int, CellError] = field(default_factory=dict)
+    missing: Missing = field(default_factory=Missing)
+    missing_in_calls: dict[str, Missing] = field(default_factory=dict)
+    stubs: list[str] = field(default_factory=list)
+    unused_files: list[str] = field(default_factory=list)
+    needed_only: bool = False
     processes: list[ProcessEnd] = field(default_factory=list)
     killed: list[str] = field(default_factory=list)
     broke: dict[str, str] = field(default_factory=dict)
     seconds: float = 0.0
+    room: int = field(default_factory=lambda: KEPT_OF_ALL)
 
 
 @dataclass(frozen=True)
@@ -229,17 +87,19 @@ class CallGroup:
     """Calls to be made one after the other, each with a time limit in seconds.
 
     Once a group of a question has hung or crashed, the other groups of the question are skipped:
-    each could take as long, and none could change the verdict.
+    each could take as long, and none could change the verdict. Right functions of earlier questions
+    may be given in place of those of the submission.
     """
 
     name: str
     calls: tuple[Call, ...]
     seconds: float
     question: str = ""
+    given: RightFunctions | None = None
 
 
 def run(
-    server: Server, cells: Sequence[str], tasks: Sequence[CallGroup]
+    server: Server, program: Program | Sequence[str], tasks: Sequence[CallGroup]
 ) -> tuple[dict[str, tuple[Outcome, ...]], SessionLog]:
     """Run the cells of a submission and make the calls of all groups.
 
@@ -247,8 +107,8 @@ def run(
     ----------
     server : Server
         A started server.
-    cells : sequence of str
-        Code, in order.
+    program : Program or sequence of str
+        The code, in order.
     tasks : sequence of CallGroup
         The calls to make after the cells have run.
 
@@ -263,16 +123,18 @@ def run(
     ------
     NotStarted
         Several attempts to start a process failed, which is not the fault of the submission.
+    MachineFailed
+        The machine or the server failed, so that the submission must run again.
     """
-    log, outcomes, skipped = SessionLog(), dict[str, tuple[Outcome, ...]](), set[int]()
+    program = program if isinstance(program, Program) else Program(program)
+    log, outcomes = SessionLog(), dict[str, tuple[Outcome, ...]]()
     started, todo = time.monotonic(), list(tasks)
     last, failures = started + server.limits.seconds_in_all, 0
-    for _ in range(server.limits.most_starts):
-        if not todo or time.monotonic() > last:
-            break
+    plan = _Plan(program, {call.function for task in tasks for call in task.calls}, server, log)
+    while todo and time.monotonic() < last and plan.failures < server.limits.most_starts:
         attempt = _Attempt(server, log, last)
         try:
-            attempt.run_cells(cells, skipped)
+            attempt.run_cells(plan)
             while todo:
                 task = todo.pop(0)
                 outcomes[task.name] = attempt.make_calls(task)
@@ -285,6 +147,8 @@ def run(
                 raise
         except ProcessFailed as broken:
             log.killed.append(broken.reason)
+            plan.failures += attempt.task is None
+            log.needed_only |= plan.failures >= server.limits.most_starts // 2
             if attempt.task:
                 task = attempt.task
                 log.broke[task.name] = broken.reason
@@ -302,36 +166,90 @@ def _without(todo: Sequence[CallGroup], broken: CallGroup) -> list[CallGroup]:
     return [task for task in todo if not broken.question or task.question != broken.question]
 
 
+class _Plan:
+    """What is run of the cells: all but the statements at which processes failed.
+
+    After half of the possible starts, or half of the time, only what the answers need is run.
+    """
+
+    def __init__(
+        self, program: Program, asked: Collection[str], server: Server, log: SessionLog
+    ) -> None:
+        self.program, self.asked, self.log = program, asked, log
+        self.halfway = time.monotonic() + server.limits.seconds_in_all / 2
+        self.failures = 0
+        self.left_out: dict[int, set[int]] = {}
+        self.cells_left_out: set[int] = set()
+
+    def leave_out(self, number: int, process: Process, broken: ProcessFailed) -> None:
+        """Leave out the statement at which a process failed; the whole cell, if it is unknown."""
+        if not self.log.needed_only and time.monotonic() >= self.halfway:
+            self.log.needed_only = True  # all cells together take too long, perhaps not this one
+            return
+        left_out = self.left_out.setdefault(number, set())
+        if not process.statement or process.statement - 1 in left_out:
+            self.cells_left_out.add(number)
+        left_out.add(NO_DEFINITION if broken.reason in SEEN_LATE else process.statement - 1)
+        error = self.program.error(number, process.line, str(broken))
+        self.log.cell_errors.setdefault(number, error)
+
+
 class _Attempt:
     """One process of a submission, with the group of calls in which it failed."""
 
     def __init__(self, server: Server, log: SessionLog, last: float) -> None:
-        self.process, self.log = Process(server, last), log
+        self.process, self.log, self.last = Process(server, last), log, last
         self.task: CallGroup | None = None
         self.done: list[Outcome] = []
 
-    def run_cells(self, cells: Sequence[str], skipped: set[int]) -> None:
-        """Run the cells in order; a cell at which the process fails is added to `skipped`."""
+    def run_cells(self, plan: _Plan) -> None:
+        """Run the cells in order, without what the plan leaves out."""
         self.process.await_start()
-        for number, code in enumerate(cells):
-            if number in skipped:
+        self.log.unused_files = self.process.load(plan.program, plan.asked)
+        if self.log.needed_only:
+            self.process.keep_needed(plan.cells_left_out)
+        else:
+            self.process.last = min(self.last, plan.halfway)
+        for number in range(len(plan.program.cells)):
+            if number in plan.cells_left_out:
                 continue
             try:
-                error = self.process.cell(number, code)
+                report = self.process.cell(number, plan.left_out.get(number, ()))
+                self.process.check_limits()
             except ProcessFailed as broken:
-                skipped.add(number)
-                self.log.cell_errors[number] = str(broken)
+                plan.leave_out(number, self.process, broken)
                 raise
-            if error:
-                self.log.cell_errors[number] = error
+            self._note(plan.program, number, report)
+        self.process.last = self.last
+
+    def _note(self, program: Program, number: int, report: dict[str, Any]) -> None:
+        """Note what a cell reports, validated."""
+        if error := as_text(report.get("error")):
+            line = as_number(report.get("line"))
+            self.log.cell_errors.setdefault(number, program.error(number, line, error))
+        self.log.missing |= validated(report.get("missing"))
+        stubs, known = report.get("stubs"), self.log.stubs
+        for name in stubs[:MOST_MISSING] if isinstance(stubs, list) else ():
+            is_new = isinstance(name, str) and NAME.fullmatch(name) and name not in known
+            if is_new and len(known) < MOST_MISSING:
+                known.append(name)
 
     def make_calls(self, task: CallGroup) -> tuple[Outcome, ...]:
         """Make the calls of a group; after a missing function or a time-out, skip the others."""
-        self.task, self.done = task, []
+        self.task, self.done, self.process.missing = task, [], NOTHING
+        own = KEPT_OF_EACH_GROUP
         for call in task.calls:
-            self.done.append(self.process.call(call, task.seconds))
+            outcome = self.process.call(call, task.seconds, task.given)
+            size = sum(value.nbytes for value in outcome.values or ())
+            if size > own + self.log.room:
+                outcome, size = Outcome("raised", error=TOO_LARGE), 0
+            self.log.room -= max(0, size - own)
+            own = max(0, own - size)
+            self.done.append(outcome)
+            self.log.missing_in_calls[task.name] = self.process.missing
             if self.done[-1].status not in ("returned", "raised"):
                 break
+        self.process.check_limits()
         self.task = None
         return _filled(self.done, len(task.calls))
 
@@ -340,7 +258,8 @@ class _Attempt:
         last = Outcome("raised", error=str(broken))
         if broken.reason == "time":
             last = Outcome("timed out", seconds=task.seconds)
-        return _filled([*self.done, last], len(task.calls))
+        count = len(task.calls)
+        return _filled([*self.done[: count - 1], last], count)
 
     def end(self) -> None:
         """End the process and note how it ended."""

@@ -5,17 +5,21 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from multiprocessing import Pipe, get_context, util
 from multiprocessing.connection import Connection
 from multiprocessing.queues import SimpleQueue
-from typing import TypeVar
+from tempfile import gettempdir
+from typing import Any, TypeVar
 
 from threadpoolctl import threadpool_limits
 
-from fieldgrade.isolation.server import GraderError, Limits, Server, Tier
+from fieldgrade.isolation import scratch
+from fieldgrade.isolation.process import NotStarted
+from fieldgrade.isolation.server import GraderError, Limits, MachineFailed, Server, Tier
+from fieldgrade.sandbox import homes
 from fieldrecon._core.worker_processes import WorkerPool
 
 T = TypeVar("T")
@@ -55,8 +59,16 @@ def with_server(tier: Tier, limits: Limits, do: Callable[[Server], T]) -> T:
         except Exception as error:
             dismiss()
             if last or _over.is_set():
-                raise GraderError(f"{type(error).__name__}: {error}") from error
+                raise GraderError(_sentence(error)) from error
     raise AssertionError
+
+
+def _sentence(error: Exception) -> str:
+    """Return an error in words; that of a full disk does not always name the folder."""
+    told = isinstance(error, MachineFailed | NotStarted)
+    words = str(error) if told else f"{type(error).__name__}: {error}"
+    lack = "" if "is full" in words else homes.lacking(gettempdir())
+    return f"{words} ({lack})" if lack else words
 
 
 def server(tier: Tier, limits: Limits) -> Server:
@@ -106,8 +118,12 @@ def close() -> None:
 
 @contextmanager
 def serving() -> Iterator[None]:
-    """Permit servers in this block; at its end, end all servers of this process."""
+    """Permit servers in this block; at its end, end all servers of this process.
+
+    At first the folders that killed graders left behind are removed.
+    """
     _over.clear()
+    scratch.remove_abandoned()
     try:
         yield
     finally:
@@ -129,15 +145,62 @@ def worker_pool(count: int) -> Iterator[Executor]:
         finally:
             thread.shutdown(wait=False, cancel_futures=True)
         return
+    with _processes(count) as processes:
+        yield processes
+
+
+@contextmanager
+def _processes(count: int) -> Iterator[Executor]:
     over, block = Pipe(duplex=False)
-    begin = partial(_begin, over, _cores_for_each(count))
-    processes = WorkerPool(count, begin=begin, end=close)
+
+    def start() -> WorkerPool:
+        begin = partial(_begin, over, _cores_for_each(count))
+        return WorkerPool(count, begin=begin, end=close)
+
+    processes = _Replaced(start)
     try:
         yield processes
     finally:
         block.close()
         processes.shutdown(cancel_futures=True)
         over.close()
+
+
+def run_alone(do: Callable[..., T], *arguments: Any) -> T:
+    """Call a function in a worker process of its own, after the process that ran it was lost.
+
+    Raises
+    ------
+    GraderError
+        This process is lost too.
+    """
+    with _processes(1) as processes:
+        try:
+            return processes.submit(do, *arguments).result()
+        except BrokenExecutor:
+            lost = "the system killed the process that graded it, twice, as when memory runs out"
+            raise GraderError(lost) from None
+
+
+class _Replaced(Executor):
+    """A pool of processes that is replaced after one of them was lost."""
+
+    def __init__(self, start: Callable[[], WorkerPool]) -> None:
+        self._start = start
+        self._pool = start()
+
+    def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
+        """Submit a call; if it fails with `BrokenExecutor`, the next one goes to a new pool."""
+        try:
+            return self._pool.submit(fn, *args, **kwargs)
+        except BrokenExecutor:
+            self._pool.shutdown(cancel_futures=True)
+            self._pool = self._start()
+            return self._pool.submit(fn, *args, **kwargs)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the processes."""
+        self._pool.shutdown(wait, cancel_futures=cancel_futures)
 
 
 def _cores_for_each(count: int) -> SimpleQueue[int] | None:

@@ -14,7 +14,7 @@ import sys
 from collections.abc import Collection
 from contextlib import suppress
 
-from fieldgrade.sandbox.kernel import process_control, system_call
+from fieldgrade.sandbox.kernel import open_folder, process_control, read_process, system_call
 
 DIE_WITH_PARENT, MAY_BE_LOOKED_INTO, ADOPT_ORPHANS = 1, 4, 36
 MOST_FILES = 64
@@ -34,13 +34,13 @@ def address_space() -> int:
     """Return the bytes of address space in use, to which the limit is added."""
     if sys.platform != "linux":
         return 0
-    with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123
-        return int(file.read().split()[0]) * resource.getpagesize()
+    return int(read_process("self/statm").split()[0]) * resource.getpagesize()
 
 
 def close_all_but(kept: Collection[int]) -> None:
     """Close all open files except the three standard streams and those in `kept`."""
-    for number in map(int, os.listdir("/dev/fd")):  # noqa: PTH208
+    folder = open_folder("self/fd") if sys.platform == "linux" else os.open("/dev/fd", os.O_RDONLY)
+    for number in map(int, os.listdir(folder)):  # noqa: PTH208
         if number > 2 and number not in kept:
             with suppress(OSError):
                 os.close(number)
@@ -73,7 +73,7 @@ def adopt_orphans() -> None:
         process_control(ADOPT_ORPHANS, 1)
 
 
-def hide_memory() -> None:
-    """Forbid other processes of the user to inspect this process and its children."""
+def hide_memory(hidden: bool = True) -> None:
+    """Forbid or permit other processes of the user to inspect this process and later children."""
     if sys.platform == "linux":
-        process_control(MAY_BE_LOOKED_INTO, 0)
+        process_control(MAY_BE_LOOKED_INTO, int(not hidden))

@@ -8,14 +8,78 @@ from contextlib import suppress
 from itertools import count
 from secrets import token_hex
 
+from fieldgrade.sandbox.kernel import open_folder, read_process
+
 MOST_ENTRIES = 1000
 MOST_BYTES = 64 << 20
 """Limits of a home: number of files and folders, and total bytes."""
+HARD_LIMIT = 2
+"""By this factor a home in memory is larger, so that a process that exceeds a limit is noticed."""
 
 
-def is_overfull(home: str) -> bool:
-    """Whether a home exceeds its limits or cannot be inspected."""
-    folders, entries, size = [home], 0, 0
+def is_in_memory(home: str) -> bool:
+    """Whether a home is a file system of its own, which counts all that it holds."""
+    with suppress(FileNotFoundError):
+        system = os.statvfs(home)
+        return system.f_blocks * system.f_frsize == HARD_LIMIT * MOST_BYTES
+    return False
+
+
+def is_overfull(home: str, process: int = 0, file_size: int = 0) -> bool:
+    """Whether a home exceeds its limits or cannot be inspected.
+
+    Parameters
+    ----------
+    home : str
+        The home.
+    process : int
+        A process that may hold deleted files of the home.
+    file_size : int
+        The limit of a file, in bytes, which stands for the size of a deleted file in memory.
+    """
+    if not is_in_memory(home):
+        return _tree_is_overfull(home, sum(_deleted(home, process, file_size).values()))
+    system = os.statvfs(home)
+    size = (system.f_blocks - system.f_bfree) * system.f_frsize
+    return size > MOST_BYTES or system.f_files - system.f_ffree > MOST_ENTRIES
+
+
+def lacking(home: str) -> str:
+    """Return a sentence if the disk of a home has no room for its content; empty otherwise."""
+    if is_in_memory(home):
+        return ""
+    try:
+        system = os.statvfs(home)
+    except OSError as error:
+        return str(error)
+    free = system.f_bavail * system.f_frsize
+    if free >= MOST_BYTES:
+        return ""
+    return f"the disk of {home} is full: {free >> 20} MiB are free, {MOST_BYTES >> 20} are needed"
+
+
+def _deleted(home: str, process: int, file_size: int) -> dict[int, int]:
+    """Return the sizes of the deleted files that a process keeps open or mapped, by inode."""
+    sizes: dict[int, int] = {}
+    with suppress(OSError):
+        for line in read_process(f"{process}/maps").splitlines():
+            if line.endswith(" (deleted)") and home in line:
+                sizes[int(line.split()[4])] = file_size
+    with suppress(OSError):
+        folder = open_folder(f"{process}/fd")
+        try:
+            for number in os.listdir(folder):  # noqa: PTH208
+                with suppress(OSError):
+                    file = os.stat(number, dir_fd=folder)
+                    if stat.S_ISREG(file.st_mode) and not file.st_nlink:
+                        sizes[file.st_ino] = 512 * file.st_blocks
+        finally:
+            os.close(folder)
+    return sizes
+
+
+def _tree_is_overfull(home: str, size: int) -> bool:
+    folders, entries = [home], 0
     while folders:
         try:
             with os.scandir(folders.pop()) as inside:
@@ -31,7 +95,7 @@ def is_overfull(home: str) -> bool:
             continue
         except OSError:  # a path that is too long, a folder without permissions
             return True
-    return False
+    return size > MOST_BYTES
 
 
 def empty(folder: str) -> None:

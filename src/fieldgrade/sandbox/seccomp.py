@@ -3,6 +3,11 @@
 It refuses other processes and programs, the network, administration of the kernel, and calls that
 reach processes or files beyond the control of Landlock. Threads are allowed. System calls that are
 newer than this list are refused too.
+
+Two submissions that run at once must not exchange messages. Files that both can open are therefore
+not lockable: a lock is reported as granted and is not set, which is true in a home that nobody else
+can open. For the same reason a futex is private to its process, and processor clocks, priorities
+and processors of other processes cannot be asked for.
 """
 
 from __future__ import annotations
@@ -12,7 +17,7 @@ import os
 import platform
 import struct
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from fieldgrade.sandbox.kernel import no_new_privileges, process_control
 
@@ -73,6 +78,10 @@ REFUSED: dict[str, Numbers] = {
     "semctl": (66, 191),
     "mq_open": (240, 180),
     "mq_unlink": (241, 181),
+    "timer_create": (222, 107),
+    "mincore": (27, 232),
+    "preadv2": (327, 286),
+    "sysinfo": (99, 179),
     "inotify_init": (253, None),
     "inotify_init1": (294, 26),
     "fanotify_init": (300, 262),
@@ -98,6 +107,8 @@ REFUSED: dict[str, Numbers] = {
     "mknod": (133, None),
     "mknodat": (259, 33),
     "open_by_handle_at": (304, 265),
+    # rules that keep deleted files on the disk
+    "landlock_create_ruleset": (444, 444),
     # administration of the kernel
     "unshare": (272, 97),
     "setns": (308, 268),
@@ -136,24 +147,57 @@ REFUSED: dict[str, Numbers] = {
 }
 
 # Calls reported as not existing: callers then use an older call, whose arguments can be checked.
-ABSENT: dict[str, Numbers] = {"clone3": (435, 435), "openat2": (437, 437)}
+ABSENT: dict[str, Numbers] = {
+    "clone3": (435, 435),
+    "openat2": (437, 437),
+    "futex_waitv": (449, 449),
+}
 FIRST_UNKNOWN = 450
+
+# Calls reported as successful without effect.
+IGNORED: dict[str, Numbers] = {"flock": (73, 32)}
 
 # Calls that depend on an argument.
 OPEN: Numbers = (2, None)
 OPENAT = (257, 56)
-CLONE, TGKILL, PRLIMIT = (56, 220), (234, 131), (302, 261)
-FCNTL, IOCTL, PRCTL = (72, 25), (16, 29), (157, 167)
+CLONE, TGKILL, PRLIMIT, SETRLIMIT = (56, 220), (234, 131), (302, 261), (160, 164)
+FCNTL, IOCTL, PRCTL, FUTEX = (72, 25), (16, 29), (157, 167), (202, 98)
+CLOCKS: dict[str, Numbers] = {
+    "clock_gettime": (228, 113),
+    "clock_getres": (229, 114),
+    "clock_nanosleep": (230, 115),
+}
+ABOUT_PROCESSES: dict[str, tuple[int, Numbers]] = {
+    "sched_getaffinity": (0, (204, 123)),
+    "sched_getscheduler": (0, (145, 120)),
+    "sched_getparam": (0, (143, 121)),
+    "sched_getattr": (0, (315, 275)),
+    "sched_rr_get_interval": (0, (148, 127)),
+    "getpgid": (0, (121, 155)),
+    "getsid": (0, (124, 156)),
+    "get_robust_list": (0, (274, 100)),
+    "getpriority": (1, (140, 141)),
+    "ioprio_get": (1, (252, 31)),
+}
+"""Calls that tell something about a process, with the position of the argument that names it."""
 CLONE_THREAD = 0x00010000
-SIGNALS_OF_FILES = (8, 10, 15)
-"""``F_SETOWN``, ``F_SETSIG``, ``F_SETOWN_EX``: signals that are sent when a file is ready."""
-SIGNALS_OF_DEVICES = (0x8901, 0x8902, 0x5412, 0x541C)
-"""``FIOSETOWN``, ``SIOCSPGRP``, ``TIOCSTI``, ``TIOCLINUX``."""
+FILE_COMMANDS = (0, 1, 2, 3, 4, 1030, 1032)
+"""Of ``fcntl``: to duplicate a descriptor, to get and set its flags, and ``F_GETPIPE_SZ``."""
+LOCK_COMMANDS = (6, 7, 37, 38)
+"""Of ``fcntl``: ``F_SETLK``, ``F_SETLKW``, ``F_OFD_SETLK``, ``F_OFD_SETLKW``."""
+DEVICE_COMMANDS = (0x5401, 0x5413, 0x541B, 0x5421, 0x5450, 0x5451)
+"""Of ``ioctl``: whether a file is a terminal and of what size, ``FIONREAD``, ``FIONBIO``,
+``FIONCLEX``, ``FIOCLEX``. Others could change the attributes of a file that may only be read."""
+FUTEX_WAIT, FUTEX_WAKE, FUTEX_WAIT_BITSET, FUTEX_PRIVATE, FUTEX_CLOCK = 0, 1, 9, 128, 256
+CLOCK_OF_A_PROCESS = 0x80000000
+PROCESSOR_TIME = 0
+"""``RLIMIT_CPU``, the limit by which a process could have itself killed."""
+SIGKILL = 9
 
 END_WITH_PARENT = 1
 """``PR_SET_PDEATHSIG``, with which the process could survive its parent."""
 
-EPERM, ENOSYS = 1, 38
+NO_ERROR, EPERM, EAGAIN, EINVAL, ENOSYS = 0, 1, 11, 22, 38
 ALLOW, ERRNO, KILL = 0x7FFF0000, 0x00050000, 0x80000000
 LOAD, MASK, EQUAL, AT_LEAST, ANY_BIT, RETURN = 0x20, 0x54, 0x15, 0x35, 0x45, 0x06
 SECCOMP, FILTER = 22, 2
@@ -186,45 +230,59 @@ def _program(machine: str, process: int) -> Iterator[bytes]:
     if machine == "x86_64":  # system calls of 32-bit programs on the same kernel
         yield from (_if(AT_LEAST, 0x40000000, 0, 1), _if(RETURN, KILL))
     yield from (_if(AT_LEAST, FIRST_UNKNOWN, 0, 1), _if(RETURN, ERRNO | ENOSYS))
-    for numbers, error in ((REFUSED, EPERM), (ABSENT, ENOSYS)):
+    for numbers, error in ((REFUSED, EPERM), (ABSENT, ENOSYS), (IGNORED, NO_ERROR)):
         for known in (each[column] for each in numbers.values()):
             if known is not None:
                 yield from (_if(EQUAL, known, 0, 1), _if(RETURN, ERRNO | error))
-    only = _unless(EQUAL, process)
-    own = _unless(EQUAL, 0)
-    cut_short = [_if(MASK, os.O_ACCMODE | os.O_TRUNC), *_when(EQUAL, os.O_TRUNC)]
-    signals = [line for value in SIGNALS_OF_FILES for line in _when(EQUAL, value)]
-    devices = [line for value in SIGNALS_OF_DEVICES for line in _when(EQUAL, value)]
-    for number, argument, test in (
-        (OPEN, 1, cut_short),
-        (OPENAT, 2, cut_short),
-        (CLONE, 0, _unless(ANY_BIT, CLONE_THREAD)),
-        (TGKILL, 0, only),
-        (PRLIMIT, 0, own),
-        (FCNTL, 1, signals),
-        (IOCTL, 1, devices),
-        (PRCTL, 0, _when(EQUAL, END_WITH_PARENT)),
-    ):
+    for number, test in _tests(process):
         if number[column] is not None:
-            yield from _argument(number[column], argument, test)
+            yield _if(EQUAL, number[column] or 0, 0, len(test) + 1)
+            yield from (*test, _if(RETURN, ALLOW))
     yield _if(RETURN, ALLOW)
 
 
-def _argument(number: int | None, argument: int, test: Sequence[bytes]) -> Iterator[bytes]:
-    """Yield a test of the lower half of an argument, skipped for other calls."""
-    assert number is not None
-    yield _if(EQUAL, number, 0, len(test) + 2)
-    yield _if(LOAD, 16 + 8 * argument)
-    yield from test
-    yield _if(RETURN, ALLOW)
+def _tests(process: int) -> Iterator[tuple[Numbers, list[bytes]]]:
+    """Yield the calls that depend on an argument, and the instructions that test it."""
+    cut_short = [_if(MASK, os.O_ACCMODE | os.O_TRUNC), *_when(os.O_TRUNC)]
+    yield OPEN, [_load(1), *cut_short]
+    yield OPENAT, [_load(2), *cut_short]
+    yield CLONE, [_load(0), _if(ANY_BIT, CLONE_THREAD, 1, 0), _if(RETURN, ERRNO | EPERM)]
+    yield TGKILL, [_load(0), *_only(process), _load(2), *_when(SIGKILL)]
+    yield PRLIMIT, [_load(0), *_only(0), _load(1), *_when(PROCESSOR_TIME)]
+    yield SETRLIMIT, [_load(0), *_when(PROCESSOR_TIME)]
+    yield PRCTL, [_load(0), *_when(END_WITH_PARENT)]
+    yield FCNTL, [_load(1), *_when(*LOCK_COMMANDS, error=NO_ERROR), *_only(*FILE_COMMANDS)]
+    yield IOCTL, [_load(1), *_only(*DEVICE_COMMANDS)]
+    waits = [w | c for w in (FUTEX_WAIT, FUTEX_WAIT_BITSET) for c in (0, FUTEX_CLOCK)]
+    shared = [*_when(*waits, error=EAGAIN), *_when(FUTEX_WAKE, error=NO_ERROR)]
+    shared.append(_if(RETURN, ERRNO | EPERM))
+    yield FUTEX, [_load(1), _if(ANY_BIT, FUTEX_PRIVATE, len(shared), 0), *shared]
+    for number in CLOCKS.values():
+        yield (
+            number,
+            [_load(0), _if(AT_LEAST, CLOCK_OF_A_PROCESS, 0, 1), _if(RETURN, ERRNO | EINVAL)],
+        )
+    for argument, number in ABOUT_PROCESSES.values():
+        yield number, [_load(argument), *_only(0, process, error=ENOSYS)]
 
 
-def _when(code: int, value: int) -> list[bytes]:
-    return [_if(code, value, 0, 1), _if(RETURN, ERRNO | EPERM)]
+def _load(argument: int) -> bytes:
+    """Return the instruction that loads the lower half of an argument."""
+    return _if(LOAD, 16 + 8 * argument)
 
 
-def _unless(code: int, value: int) -> list[bytes]:
-    return [_if(code, value, 1, 0), _if(RETURN, ERRNO | EPERM)]
+def _when(*values: int, error: int = EPERM) -> list[bytes]:
+    """Return instructions that refuse each of these values."""
+    return [line for v in values for line in (_if(EQUAL, v, 0, 1), _if(RETURN, ERRNO | error))]
+
+
+def _only(*values: int, error: int = EPERM) -> list[bytes]:
+    """Return instructions that refuse all values but these."""
+    left = range(len(values), 0, -1)
+    return [
+        *(_if(EQUAL, v, n, 0) for v, n in zip(values, left, strict=True)),
+        _if(RETURN, ERRNO | error),
+    ]
 
 
 def _if(code: int, value: int, then: int = 0, otherwise: int = 0) -> bytes:

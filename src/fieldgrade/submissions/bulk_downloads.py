@@ -5,12 +5,15 @@ student, id of the upload, name of the file. Moodle writes ``Ada
 Lovelace_1234_assignsubmission_file_`` before the file name, or as a folder. Gradescope has a folder
 ``submission_1234`` for each submission, and a file of metadata that names the submitters. Otherwise
 each student has a folder or a file.
+
+A student chooses the end of a name, and can imitate another platform there. Therefore the platform
+is determined from all names of a download together, never from one name.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
@@ -19,10 +22,15 @@ from fieldgrade.submissions.owners import OwnerHint
 CANVAS = re.compile(
     r"(?P<who>[^\W\d_][^_]*)_(?P<late>LATE_)?(?P<id>\d+)_(?P<attachment>\d+)_(?P<file>.+)"
 )
-MOODLE = re.compile(r"(?P<who>.+?)_(?P<id>\d+)_assignsubmission_(?:file|onlinetext)_?(?P<file>.*)")
+MOODLE = re.compile(
+    r"(?P<who>[^_]+)_(?P<id>\d+)_assignsubmission_(?:file|onlinetext)_?(?P<file>.*)"
+)
+"""Moodle replaces underscores in names of students by spaces, and Canvas removes them."""
+MOODLE_ANYWHERE = re.compile(r"([^_]*)_(\d+)_assignsubmission_")
 GRADESCOPE = re.compile(r"submission_(?P<id>\d+)")
+PLATFORMS = {"Canvas": CANVAS, "Moodle": MOODLE, "Gradescope": GRADESCOPE}
 METADATA = "submission_metadata.yml"
-SUBMITTERS = re.compile(r"^  :submitters: *\n((?: {2,}- .*\n| {4,}.*\n)*)", re.MULTILINE)
+SUBMITTERS = re.compile(r"^  :submitters: *\n((?:  - .*\n| {4,}.*\n)*)", re.MULTILINE)
 TRAILING_NUMBER = re.compile(r"(?<=.)[ _-]*(?:-(\d{1,3})|\((\d{1,3})\))$")
 NOTEBOOK = re.compile(
     r"(?:^|[ _.-]+)(?:(?:notebook|exercise)[ _-]*)?\d\d(?:[ _-][a-z0-9_-]*)?$", re.IGNORECASE
@@ -54,37 +62,84 @@ class FileOrigin:
 Metadata = Mapping[str, FileOrigin]
 
 
-def is_platform(name: str) -> bool:
-    """Whether a name has the form that a platform uses in its bulk downloads."""
-    named = (CANVAS, MOODLE, GRADESCOPE)
-    return name == METADATA or any(pattern.fullmatch(name) for pattern in named)
-
-
-def parse_path(parts: Sequence[str], metadata: Metadata) -> FileOrigin:
-    """Return the origin of a file, from its path below the folder of all submissions.
+def platforms_of(names: Collection[str]) -> tuple[str, ...]:
+    """Return the platform whose form fits most names; none, or several that fit equally many.
 
     Examples
     --------
-    >>> parse_path(["lovelaceada_LATE_12_345_01-2.ipynb"], {}).owners[0].text
+    >>> platforms_of(["lovelaceada_12_345_01.ipynb", "bytebob_13_346_x_12_assignsubmission_file_"])
+    ('Canvas',)
+    >>> platforms_of(["ada", "bob"])
+    ()
+    """
+    fitting = {p: sum(map(bool, map(form.fullmatch, names))) for p, form in PLATFORMS.items()}
+    most = max(fitting.values())
+    return tuple(platform for platform, count in fitting.items() if count == most > 0)
+
+
+def is_of_one_platform(names: Collection[str]) -> bool:
+    """Whether one platform wrote all names."""
+    written = [name for name in names if name != METADATA]
+    return bool(names) and any(all(map(form.fullmatch, written)) for form in PLATFORMS.values())
+
+
+def platform_of(name: str) -> str:
+    """Return the platform whose form fits a name; no name fits two, and most fit none.
+
+    Examples
+    --------
+    >>> platform_of("eve_7_8_x_12_assignsubmission_file_1.ipynb"), platform_of("eve_01.ipynb")
+    ('Canvas', '')
+    """
+    return next((p for p, form in PLATFORMS.items() if form.fullmatch(name)), "")
+
+
+def claims(name: str) -> list[OwnerHint]:
+    """Return the students whom a name claims in the form of Moodle, wherever this form begins.
+
+    Examples
+    --------
+    >>> [hint.number for hint in claims("eve_7_8_x_12_assignsubmission_file_1.ipynb")]
+    ['12']
+    """
+    found = MOODLE_ANYWHERE.findall(name)
+    return [OwnerHint(who, number, platform="moodle") for who, number in found]
+
+
+def parse_path(
+    parts: Sequence[str], platform: str = "", metadata: Metadata | None = None
+) -> FileOrigin:
+    """Return the origin of a file, from its path below the folder of a download.
+
+    Parameters
+    ----------
+    parts : sequence of str
+        The folders of its path, and its name.
+    platform : str
+        The platform that made the download; empty if none did.
+    metadata : mapping
+        The origins by folder, from Gradescope's file of metadata.
+
+    Examples
+    --------
+    >>> parse_path(["lovelaceada_LATE_12_345_01-2.ipynb"], "Canvas").owners[0].text
     'lovelaceada'
-    >>> parse_path(["Ada Lovelace_12_assignsubmission_file_", "work", "01.ipynb"], {}).name
+    >>> parse_path(["Ada Lovelace_12_assignsubmission_file_", "work", "01.ipynb"], "Moodle").name
     'work/01.ipynb'
-    >>> parse_path(["ada_01.ipynb"], {}).owners[0].text
+    >>> parse_path(["ada_01.ipynb"]).owners[0].text
     'ada'
     """
     first, rest = parts[0], "/".join(parts[1:])
-    if first in metadata:
-        return replace(metadata[first], name=rest)
-    if found := GRADESCOPE.fullmatch(first):
-        return FileOrigin((OwnerHint(first, found["id"], platform="gradescope"),), rest)
-    if found := MOODLE.fullmatch(first):
-        name = "/".join(part for part in (found["file"], rest) if part)
-        return FileOrigin((OwnerHint(found["who"], found["id"], platform="moodle"),), name)
-    if found := CANVAS.fullmatch(first):
-        name = "/".join(part for part in (found["file"], rest) if part)
-        owner = OwnerHint(found["who"], found["id"], platform="canvas")
-        return FileOrigin((owner,), name, late_mark=bool(found["late"]))
-    return FileOrigin((OwnerHint(first if rest else stem(first)),), rest or first)
+    found = PLATFORMS[platform].fullmatch(first) if platform else None
+    if found is None:
+        return FileOrigin((OwnerHint(first if rest else stem(first)),), rest or first)
+    if platform == "Gradescope":
+        unknown = FileOrigin((OwnerHint(first, platform="gradescope"),), "")
+        return replace((metadata or {}).get(first, unknown), name=rest)
+    read = found.groupdict()
+    name = "/".join(part for part in (read["file"], rest) if part)
+    owner = OwnerHint(read["who"], read["id"], platform=platform.lower())
+    return FileOrigin((owner,), name, late_mark=bool(read.get("late")))
 
 
 def stem(name: str) -> str:
@@ -121,7 +176,8 @@ def gradescope_metadata(text: str) -> dict[str, FileOrigin]:
         listed = SUBMITTERS.search(block)
         if head is None or listed is None:
             continue
-        people = re.split(r"^ +- ", listed[1], flags=re.MULTILINE)[1:]
+        # A long name continues in the next line, indented more deeply, whatever it contains.
+        people = re.split(r"^  - ", listed[1], flags=re.MULTILINE)[1:]
         owners = tuple(
             OwnerHint(
                 _field(p, "name") or head[0], _field(p, "sid"), _field(p, "email"), "gradescope"
@@ -135,7 +191,7 @@ def gradescope_metadata(text: str) -> dict[str, FileOrigin]:
 
 
 def _field(person: str, name: str) -> str:
-    found = re.search(rf"^ *:{name}: *(.*)$", person, flags=re.MULTILINE)
+    found = re.search(rf"^(?: {{4}})?:{name}: *(.*)$", person, flags=re.MULTILINE)
     return found[1].strip().strip("'\"") if found else ""
 
 

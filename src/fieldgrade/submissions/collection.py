@@ -1,13 +1,15 @@
 """Collects the files of each student from a folder or from bulk downloads, and archives them.
 
 Only the instructor's folder and a platform determine the owner of a file. Everything that a student
-packed belongs to this student, whatever the names inside: nobody can submit for somebody else.
+packed belongs to this student, whatever the names inside. A download has one platform; a file whose
+name can be read as that of two students is refused, and listed by its name.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import takewhile
 from pathlib import Path
 
@@ -17,12 +19,15 @@ from fieldgrade.submissions.bulk_downloads import (
     METADATA,
     FileOrigin,
     Metadata,
+    claims,
     gradescope_metadata,
-    is_platform,
+    is_of_one_platform,
     parse_path,
+    platform_of,
+    platforms_of,
 )
-from fieldgrade.submissions.owners import students_of
-from fieldgrade.submissions.submission import MOST_BYTES, Submission
+from fieldgrade.submissions.owners import OwnerHint, RosterIndex
+from fieldgrade.submissions.submission import MOST_RECEIVED, Submission
 from fieldgrade.submissions.unpack import (
     LEADS_OUT,
     MEBIBYTE,
@@ -32,7 +37,7 @@ from fieldgrade.submissions.unpack import (
     zip_items,
 )
 
-MOST_FILE, MOST_PACK = 64 * MEBIBYTE, 8192 * MEBIBYTE
+MOST_FILE, MOST_PACK = MOST_RECEIVED, 8192 * MEBIBYTE
 MOST_UNPACKED = 256 * MEBIBYTE
 MOST_FILES, MOST_DEPTH = 500, 3
 """Limits for the zip files of one student: bytes and files unpacked, and depth of nesting."""
@@ -60,6 +65,10 @@ class ReceivedFile:
         The number of the notebook, known after the intake; empty if it cannot be graded.
     notes : tuple of str
         Other files of the student that are not graded, and why.
+    sender : str
+        The name of the student in the path.
+    helpers : tuple of (str, str)
+        Paths and digests of the files beside it, which its code can import or read.
     """
 
     student: str
@@ -71,11 +80,14 @@ class ReceivedFile:
     problem: str = ""
     notebook: str = ""
     notes: tuple[str, ...] = ()
+    sender: str = ""
+    helpers: tuple[tuple[str, str], ...] = ()
 
     def submission(self, archive: Archive) -> Submission:
         """Return the file with its content."""
-        content = archive.read(self.digest, MOST_BYTES) if self.digest else b""
-        return Submission(self.student, self.name, content)
+        content = archive.read(self.digest, MOST_RECEIVED) if self.digest else b""
+        helpers = ((path, archive.path(digest)) for path, digest in self.helpers)
+        return Submission(self.student, self.name, content, tuple(helpers))
 
 
 @dataclass
@@ -104,24 +116,56 @@ class Collection:
         BadZip
             It is a file, but not a zip file.
         """
-        items, metadata = self._described(self._items(place_of_all))
-        placed = [
-            (item, parse_path(item.parts, metadata)) for item in items if not self._stray(item)
-        ]
-        students = students_of((o for _, where in placed for o in where.owners), self.roster)
-        for item, where in placed:
-            for owner in where.owners:
-                yield from self._taken(_file(students[owner], item, where), item, _Left())
+        downloads = enumerate(self._downloads(place_of_all))
+        placed = [pair for number, items in downloads for pair in self._placed(items, number)]
+        students = self._index.students(o for _, origin in placed for o in origin.owners)
+        for item, origin in placed:
+            for owner in origin.owners:
+                file = _file(students[owner], item, origin, owner)
+                if problem := self._claim(file.student, item.parts[0], owner):
+                    yield replace(file, problem=problem)
+                else:
+                    yield from self._taken(file, item, _Left())
 
-    def _stray(self, item: InputFile) -> bool:
-        """Whether a file is a stray: no platform writes a name that leads out of the folder."""
-        if item.refused == LEADS_OUT:
-            self.strays.append(f"{item.name}: {item.refused}")
-        return item.refused == LEADS_OUT
+    def _claim(self, student: str, name: str, owner: OwnerHint) -> str:
+        """Return why a file is refused whose name claims another student; empty if it does not."""
+        others = self._index.named(claims(name)) - {student}
+        if owner.platform == "moodle" or not others:
+            return ""
+        named = " and of ".join((student, *sorted(others)))
+        return f"its name can be read as that of {named}: the file must have another name"
+
+    @cached_property
+    def _index(self) -> RosterIndex:
+        return RosterIndex(self.roster)
+
+    def _placed(
+        self, items: Sequence[InputFile], number: int
+    ) -> Iterator[tuple[InputFile, FileOrigin]]:
+        """Yield the files of a download with their origins; the others are strays."""
+        items, metadata = self._described(items)
+        platforms = platforms_of({item.parts[0] for item in items})
+        for item in items:
+            if stray := self._stray(item, platforms):
+                self.strays.append(f"{item.name}: {stray}")
+                continue
+            origin = parse_path(item.parts, "".join(platforms[:1]), metadata)
+            owners = tuple(replace(owner, download=number) for owner in origin.owners)
+            yield item, replace(origin, owners=owners)
+
+    def _stray(self, item: InputFile, platforms: tuple[str, ...]) -> str:
+        """Return why a file belongs to no student; empty if it belongs to one."""
+        if item.refused == LEADS_OUT:  # no platform writes such a name
+            return item.refused
+        own = platform_of(item.parts[0])
+        if own and (own,) != platforms:
+            others = " and ".join(p for p in platforms if p != own)
+            return f"its name has the form of {own}, but it is among files of {others}"
+        return ""
 
     # Find the level of folders at which the students' files begin.
 
-    def _items(self, place_of_all: Path) -> list[InputFile]:
+    def _downloads(self, place_of_all: Path) -> list[list[InputFile]]:
         if place_of_all.is_file():
             with place_of_all.open("rb") as stream:
                 digest = self.archive.put(stream, MOST_PACK)
@@ -132,9 +176,9 @@ class Collection:
         if packs_only and not self._are_students(item.name for item in loose):
             inside = (self._begun(self._inside(item), packed=True) for item in loose)
             is_download = _is_class if len(loose) == 1 else _is_bulk
-            packs = list(takewhile(is_download, inside))  # not all are open at once
+            packs = list(takewhile(lambda found: all(map(is_download, found)), inside))
             if len(packs) == len(loose):
-                return [item for pack in packs for item in pack]
+                return [download for pack in packs for download in pack]
         return self._begun(items)
 
     def _inside(self, item: InputFile) -> list[InputFile]:
@@ -145,29 +189,29 @@ class Collection:
         except (BadZip, CannotArchive, OSError):
             return []
 
-    def _begun(self, items: list[InputFile], packed: bool = False) -> list[InputFile]:
-        """Remove the folders above those of the students."""
+    def _begun(self, items: list[InputFile], packed: bool = False) -> list[list[InputFile]]:
+        """Remove the folders above those of the students; each may be a download."""
         if not items or any(len(item.parts) == 1 for item in items):
-            return items  # there are files, so no folder lies above
+            return [items]  # there are files, so no folder lies above
         folders: dict[str, list[InputFile]] = {}
         for item in items:
             folders.setdefault(item.parts[0], []).append(item.below(1))
-        if any(map(is_platform, folders)) or self._are_students(folders):
-            return items
+        if any(map(platform_of, folders)) or self._are_students(folders):
+            return [items]
         inside = list(folders.values())
         if all(map(_is_bulk, inside)) or (packed and len(inside) == 1 and _is_class(inside[0])):
-            return [item for folder in inside for item in folder]
+            return inside
         if packed and len(inside) == 1:
             below = self._begun(inside[0], packed)
-            return items if below is inside[0] else below
-        return items
+            return [items] if below == inside else below
+        return [items]
 
     def _are_students(self, names: Iterable[str]) -> bool:
         """Whether any of the folders or zip files belongs to a student of the roster."""
-        owners = (owner for name in names for owner in parse_path([name], {}).owners)
-        return not self.roster.keys().isdisjoint(students_of(owners, self.roster).values())
+        owners = (o for name in names for o in parse_path([name], platform_of(name)).owners)
+        return bool(self._index.named(owners))
 
-    def _described(self, items: Sequence[InputFile]) -> tuple[list[InputFile], Metadata]:
+    def _described(self, items: Sequence[InputFile]) -> tuple[Sequence[InputFile], Metadata]:
         """Separate Gradescope's files of metadata from the other files."""
         origins: dict[str, FileOrigin] = {}
         for item in items:
@@ -233,14 +277,15 @@ class _Left:
     files: int = field(default_factory=lambda: MOST_FILES)
 
 
-def _file(student: str, item: InputFile, where: FileOrigin) -> ReceivedFile:
-    received, by = (where.received, "platform") if where.received else (item.time, item.by)
-    return ReceivedFile(student, where.name, "", received, by, where.late_mark)
+def _file(student: str, item: InputFile, origin: FileOrigin, owner: OwnerHint) -> ReceivedFile:
+    received, by = (origin.received, "platform") if origin.received else (item.time, item.by)
+    late, sender = origin.late_mark, owner.text
+    return ReceivedFile(student, origin.name, "", received, by, late, sender=sender)
 
 
 def _is_bulk(items: Sequence[InputFile]) -> bool:
-    """Whether all names have the form of a platform."""
-    return bool(items) and all(is_platform(item.parts[0]) for item in items)
+    """Whether all names have the form of one platform."""
+    return is_of_one_platform({item.parts[0] for item in items})
 
 
 def _is_class(items: Sequence[InputFile]) -> bool:

@@ -7,14 +7,15 @@ precedence over a script.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from fieldgrade.class_folder.roster import Student
 from fieldgrade.submissions.archive import Archive
 from fieldgrade.submissions.bulk_downloads import attempt
 from fieldgrade.submissions.collection import Collection, ReceivedFile
+from fieldgrade.submissions.helper_files import TOO_LARGE, helper_files, is_mentioned
 from fieldgrade.submissions.submission import Submission, Unreadable
 
 
@@ -55,7 +56,8 @@ class Intake:
             by_student.setdefault(file.student, []).append(file)
         chosen = [f for student in sorted(by_student) for f in self._chosen(by_student[student])]
         if not chosen:
-            raise ValueError(f"there is no submission: {folder} contains no file to be graded")
+            missing = f"there is no submission: {folder} contains no file to be graded"
+            raise ValueError("\n".join([missing, *self.strays]))
         return chosen
 
     def _chosen(self, files: Sequence[ReceivedFile]) -> list[ReceivedFile]:
@@ -63,7 +65,8 @@ class Intake:
         graded: dict[str, ReceivedFile] = {}
         broken: list[ReceivedFile] = []
         notes: list[str] = []
-        for file in map(self._identified, sorted(files, key=_age)):
+        by_age = sorted(files, key=_age)
+        for file in map(self._identified, by_age):
             if not file.notebook:
                 broken.append(file)
                 continue
@@ -71,12 +74,48 @@ class Intake:
             if before and before.digest != file.digest:
                 notes.append(f"{before.name} is not graded: {_reason(before, file)}")
             graded[file.notebook] = file
+        graded = self._without_imported(graded)
         reported = [f for f in broken if _is_damaged(f)] or ([] if graded else broken[-1:])
-        notes += [f"{f.name} is not graded: {f.problem}" for f in broken if f not in reported]
+        chosen, used = list[ReceivedFile](), set[str]()
+        for _, file in sorted(graded.items()):
+            helpers, left_out = helper_files(file, by_age, self.archive)
+            notes += [TOO_LARGE.format(f.name) for f in self._mentioned(file, left_out)]
+            used |= {f.digest for f in self._mentioned(file, [*helpers.values(), *left_out])}
+            paths = tuple(sorted((path, f.digest) for path, f in helpers.items()))
+            chosen.append(replace(file, helpers=paths))
+        others = (f for f in broken if f not in reported and f.digest not in used)
+        notes += [f"{f.name} is not graded: {f.problem}" for f in others]
         if self.roster and files[0].student not in self.roster:
             notes.append(f"{files[0].student} is not on the roster")
-        found = [*(graded[number] for number in sorted(graded)), *reported]
-        return [replace(found[0], notes=tuple(notes)), *found[1:]]
+        senders = sorted({file.sender for file in files})
+        if len(senders) > 1:
+            notes.append(f"the files of {' and of '.join(senders)} count for {files[0].student}")
+        found = [*chosen, *reported]
+        return [replace(found[0], notes=tuple(dict.fromkeys(notes))), *found[1:]]
+
+    def _mentioned(
+        self, file: ReceivedFile, others: Iterable[ReceivedFile]
+    ) -> Iterator[ReceivedFile]:
+        """Yield Python files, and other files whose names are in the code of a file."""
+        others = list(others)
+        if all(map(_is_script, others)):
+            yield from others
+            return
+        code = "\n".join(file.submission(self.archive).sources)
+        yield from (f for f in others if _is_script(f) or is_mentioned(f, code))
+
+    def _without_imported(self, graded: dict[str, ReceivedFile]) -> dict[str, ReceivedFile]:
+        """Leave out scripts that a notebook imports: they answer no notebook of their own."""
+        notebooks = [file for file in graded.values() if not _is_script(file)]
+        if not notebooks or len(notebooks) == len(graded):
+            return graded
+        code = (file.submission(self.archive) for file in notebooks)
+        imported = frozenset[str]().union(*(submission.imported for submission in code))
+        return {
+            number: file
+            for number, file in graded.items()
+            if not (_is_script(file) and PurePosixPath(file.name).stem in imported)
+        }
 
     def _identified(self, file: ReceivedFile) -> ReceivedFile:
         """Return a file with the number of its notebook, or with a problem."""

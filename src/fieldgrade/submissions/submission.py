@@ -6,18 +6,26 @@ import json
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
-from fieldgrade.submissions.definitions import defined, plain, statements
+from fieldgrade.submissions.definitions import defined, plain
+from fieldgrade.submissions.notebook_json import MOST_BYTES, without_outputs
 from fieldrecon._core.digests import bytes_digest, json_digest
 
-MOST_BYTES = 20 << 20
+MOST_RECEIVED = 64 << 20
+"""Bytes of a file with outputs, which are left out before it is parsed."""
 MOST_CODE = 1 << 20
 MARK = re.compile(r"^# ?(?:%%|In ?\[[\d ]*\]|<codecell>).*$", re.MULTILINE)
 IDENTIFIER = re.compile(r"q-(\d\d)-\d+")
+DEFINITION = re.compile(r"(?:^|['\"]|\\n)(?:async )?def[ \t]+(\w+)", re.MULTILINE)
+"""A function at the beginning of a line, also of a line in a text that is executed."""
+IMPORT = re.compile(r"^[ \t]*(?:from|import)[ \t]+([\w., \t]+)", re.MULTILINE)
 NUMBER = re.compile(r"(?<!\d)(\d\d)(?!\d)")
+PARSED = ("digest", "is_script", "sources", "code_digest")
+"""What remains of a submission without its file."""
 
 
 class Unreadable(ValueError):
@@ -36,42 +44,81 @@ class Submission:
         The name of the file.
     content : bytes
         The bytes of the file.
+    helpers : tuple of (str, bytes or Path), optional
+        Paths and contents of the files beside it, which its code can import or read. The content
+        may be the path of a file in the archive, which is read when the submission runs.
     """
 
     student: str
     name: str
     content: bytes
+    helpers: tuple[tuple[str, bytes | Path], ...] = ()
 
-    @property
-    def digest(self) -> str:
-        """SHA-256 of the file."""
-        return bytes_digest(self.content)
+    def parsed(self) -> Submission:
+        """Return the submission without its file: with its code, and the digest of the file.
 
-    @cached_property
-    def text(self) -> str:
-        """The file as text, with Python's line ends.
+        Only this is kept while it is graded, and sent to other processes.
 
         Raises
         ------
         Unreadable
-            It is not text.
+            The file cannot be graded.
         """
-        if len(self.content) > MOST_BYTES:
-            raise Unreadable(f"the file has more than {MOST_BYTES >> 20} MiB")
-        if not self.content.strip():
+        code = replace(self, content=b"")
+        vars(code).update({name: getattr(self, name) for name in PARSED})
+        return code
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the file."""
+        return bytes_digest(self.content)
+
+    def files(self) -> Iterator[tuple[str, bytes]]:
+        """Yield the paths and the contents of the files beside it."""
+        for name, content in self.helpers:
+            yield name, content.read_bytes() if isinstance(content, Path) else content
+
+    @property
+    def text(self) -> str:
+        """The file as text, with Python's line ends; a notebook without its outputs.
+
+        Raises
+        ------
+        Unreadable
+            It is not text, or exceeds a limit.
+        """
+        if not self.content or self.content.isspace():
             raise Unreadable("the file is empty")
         try:
-            text = self.content.decode(_encoding(self.content))
+            text = self._bytes().decode("utf-8-sig")
         except UnicodeDecodeError:
             if not self.name.lower().endswith(".py"):
                 raise Unreadable("the file is not text") from None
             text = self.content.decode("latin-1")
         return text.replace("\r\n", "\n").replace("\r", "\n")
 
+    def _bytes(self) -> bytes:
+        """Return the file in UTF-8; a notebook without its outputs."""
+        limit = MOST_BYTES if self.is_script or self._is_utf16 else MOST_RECEIVED
+        if len(self.content) > limit:
+            raise Unreadable(f"the file has more than {limit >> 20} MiB")
+        content = self.content.decode("utf-16").encode() if self._is_utf16 else self.content
+        if self.is_script:
+            return content
+        try:
+            return without_outputs(content)
+        except ValueError as error:
+            raise Unreadable(f"the file is not a notebook: {error}") from None
+
     @property
+    def _is_utf16(self) -> bool:
+        return self.content.startswith((b"\xff\xfe", b"\xfe\xff"))
+
+    @cached_property
     def is_script(self) -> bool:
         """Whether the file is a Python script rather than a notebook, which is JSON."""
-        return self.name.lower().endswith(".py") and not self.text.lstrip().startswith("{")
+        start = self.content[:4096].lstrip(b"\xef\xbb\xbf\xff\xfe\0 \t\r\n")
+        return self.name.lower().endswith(".py") and not start.startswith(b"{")
 
     @cached_property
     def notebook_cells(self) -> tuple[Mapping[str, Any], ...]:
@@ -90,24 +137,30 @@ class Submission:
         return tuple(cell for cell in cells if isinstance(cell, dict))
 
     @cached_property
-    def cells(self) -> tuple[str, ...]:
-        """The code of its cells, in order, as Python.
+    def sources(self) -> tuple[str, ...]:
+        """The code of its cells, in order, as it was submitted.
 
         Raises
         ------
         Unreadable
             The file is neither a notebook nor Python, or contains too much code.
         """
-        codes = _pieces(self.text) if self.is_script else map(_code, self.notebook_cells)
-        found = [code for code in codes if code.strip()]
+        codes = MARK.split(self.text) if self.is_script else map(_code, self.notebook_cells)
+        found = tuple(code for code in codes if code.strip())
         if sum(map(len, found)) > MOST_CODE:
             raise Unreadable(f"it contains more than {MOST_CODE >> 20} MiB of code")
-        return tuple(map(plain, found))
+        return found
+
+    @cached_property
+    def cells(self) -> tuple[str, ...]:
+        """The code of its cells, in order, as plain Python."""
+        return tuple(map(plain, self.sources))
 
     @cached_property
     def code_digest(self) -> str:
-        """SHA-256 of the code of all cells: any of them may bear on any answer."""
-        return json_digest(*self.cells)
+        """SHA-256 of the code of all cells and helpers: any of them may bear on any answer."""
+        helpers = [(name, bytes_digest(content)) for name, content in self.files()]
+        return json_digest(*self.sources, *([helpers] if helpers else []))
 
     @cached_property
     def definitions(self) -> Mapping[str, tuple[bool, ...]]:
@@ -117,6 +170,17 @@ class Submission:
             for name, stub in defined(cell):
                 found.setdefault(name, []).append(stub)
         return {name: tuple(stubs) for name, stubs in found.items()}
+
+    @cached_property
+    def definitions_in_text(self) -> frozenset[str]:
+        """The names after ``def`` at the beginning of lines, also of cells that are not Python."""
+        return frozenset(name for code in self.sources for name in DEFINITION.findall(code))
+
+    @cached_property
+    def imported(self) -> frozenset[str]:
+        """The words after ``import`` and ``from``: names of modules, and others."""
+        found = (words for code in self.sources for words in IMPORT.findall(code))
+        return frozenset(word for words in found for word in re.findall(r"\w+", words))
 
     def notebook(self, functions: Mapping[str, Iterable[str]]) -> str:
         """Return the number of the notebook, from the functions that it defines.
@@ -134,8 +198,11 @@ class Submission:
         Unreadable
             The notebook cannot be identified.
         """
-        shared = {n: len(set(asked) & set(self.definitions)) for n, asked in functions.items()}
-        most = max(shared.values(), default=0)
+        for names in (set(self.definitions), self.definitions_in_text):
+            shared = {n: len(set(asked) & names) for n, asked in functions.items()}
+            most = max(shared.values(), default=0)
+            if most:
+                break
         best = [number for number in functions if shared[number] == most]
         hints = [*self._handed_out(), *(NUMBER.findall(self.name) if most else ())]
         found = [number for number in hints if number in best] or (best if most else [])
@@ -173,10 +240,6 @@ def source_of(cell: Mapping[str, Any]) -> str:
     return source if isinstance(source, str) else ""
 
 
-def _encoding(content: bytes) -> str:
-    return "utf-16" if content.startswith((b"\xff\xfe", b"\xfe\xff")) else "utf-8-sig"
-
-
 def _cells(data: Any) -> list[Any] | None:
     """Return the cells of a notebook of format 4, or of format 3, which has worksheets."""
     if not isinstance(data, dict):
@@ -191,8 +254,3 @@ def _cells(data: Any) -> list[Any] | None:
 def _code(cell: Mapping[str, Any]) -> str:
     """Return the code of a cell; empty if it is not a code cell."""
     return source_of(cell) if cell.get("cell_type") == "code" else ""
-
-
-def _pieces(text: str) -> list[str]:
-    """Split a script into the cells from which it was exported, or else into statements."""
-    return MARK.split(text) if MARK.search(text) else statements(text)

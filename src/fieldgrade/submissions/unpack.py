@@ -15,6 +15,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import IO
 
@@ -22,12 +23,28 @@ MEBIBYTE = 1 << 20
 MOST_MEMBERS = 20_000
 MOST_UNPACKED = 8192 * MEBIBYTE
 LONGEST_NAME, MOST_FOLDERS = 255, 100
-MEMBER = re.compile(rb"PK\x01\x02")
-"""The signature of each entry in the central directory of a zip file."""
+MEMBER, DIRECTORY_END = re.compile(rb"PK\x01\x02"), b"PK\x05\x06"
+"""The signatures of each entry in the central directory of a zip file, and of its end."""
+UNKNOWN = 0xFFFFFFFF
+"""The size of a directory that is stated elsewhere, in the format for large files."""
 DRIVE = re.compile(r"[A-Za-z]:")
 LEADS_OUT = "its name leads out of the folder"
-IGNORED_FOLDERS = {"__MACOSX", "__pycache__", "fieldcheck", "site-packages", "venv"}
+IGNORED_FOLDERS = {
+    *(
+        "__MACOSX",
+        "__pycache__",
+        "fieldcheck",
+        "site-packages",
+        "venv",
+        ".venv",
+        ".ipynb_checkpoints",
+    ),
+    *(".git", ".idea", ".vscode", ".cache", ".pytest_cache", ".mypy_cache", ".ruff_cache"),
+    *(".Trashes", ".Trash", ".Spotlight-V100", ".fseventsd", ".TemporaryItems"),
+}
 IGNORED_NAMES = {"Thumbs.db", "desktop.ini", "student.txt"}
+CODE = (".ipynb", ".py", ".zip")
+"""The endings of files that are graded."""
 
 
 class BadZip(ValueError):
@@ -86,13 +103,13 @@ def folder_items(folder: Path) -> list[InputFile]:
     todo = [(path, (_printable(path.name),)) for path in folder.iterdir()]
     while todo:  # not recursive: folders can be nested more deeply than function calls
         path, parts = todo.pop()
-        if is_ignored(parts):
+        if parts[-1] in IGNORED_FOLDERS:
             continue
         try:
             mode = path.lstat().st_mode
             if stat.S_ISDIR(mode):
                 todo += [(inner, (*parts, _printable(inner.name))) for inner in path.iterdir()]
-            else:
+            elif not is_ignored(parts):
                 found.append(_file(path, parts, mode))
         except OSError as error:
             refused = f"it cannot be read ({error.strerror})"
@@ -125,7 +142,7 @@ def zip_items(path: Path) -> list[InputFile]:
     """
     try:
         if _members(path) > MOST_MEMBERS:
-            raise BadZip(f"the zip file holds more than {MOST_MEMBERS} files")
+            raise BadZip(f"the zip file holds more than {MOST_MEMBERS} files and folders")
         pack = zipfile.ZipFile(path)  # open as long as one of its files is referenced
         members = [info for info in pack.infolist() if not info.is_dir()]
     except BadZip:
@@ -139,10 +156,18 @@ def zip_items(path: Path) -> list[InputFile]:
 
 
 def _members(path: Path) -> int:
-    """Return an upper bound of the number of entries, without reading the directory into memory."""
+    """Return the number of entries in the directory, or a larger one than is allowed.
+
+    The entries are counted before any of them is read into memory.
+    """
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
-        found = MEMBER.finditer(content)
-        return sum(1 for _, _ in zip(found, range(MOST_MEMBERS + 1), strict=False))
+        end = content.rfind(DIRECTORY_END)
+        size = int.from_bytes(content[end + 12 : end + 16], "little") if end >= 0 else UNKNOWN
+        start = end - size if size < min(end, UNKNOWN) else 0
+        found = MEMBER.finditer(content, start)
+        count = sum(1 for _ in islice(found, MOST_MEMBERS + 1))
+        del found  # it refers to the content, which could not be closed
+        return count
 
 
 def _member(pack: zipfile.ZipFile, info: zipfile.ZipInfo) -> InputFile:
@@ -174,12 +199,15 @@ def _local(time: tuple[int, int, int, int, int, int]) -> str:
 
 
 def is_ignored(parts: tuple[str, ...]) -> bool:
-    """Whether a file is not the student's work: hidden, a cache, or a copy of the checks."""
-    hidden = any(part.startswith(".") and part not in (".", "..") for part in parts)
-    return hidden or not IGNORED_FOLDERS.isdisjoint(parts) or parts[-1] in IGNORED_NAMES
+    """Whether a file is not the student's work: of the system, a cache, or a copy of the checks.
+
+    A folder whose name begins with a dot may be a student's, and is read.
+    """
+    name = parts[-1]
+    hidden = name.startswith("._") or (name.startswith(".") and not name.lower().endswith(CODE))
+    return hidden or not IGNORED_FOLDERS.isdisjoint(parts) or name in IGNORED_NAMES
 
 
 def _printable(name: str) -> str:
-    """Return a name that can be written to any text file."""
-    text = name.encode("utf-8", "backslashreplace").decode("utf-8")
-    return "".join(c if c.isprintable() else "?" for c in text)
+    """Return a name that can be written to any text file; different names remain different."""
+    return "".join(c if c.isprintable() and c != "\\" else ascii(c)[1:-1] for c in name)

@@ -33,8 +33,19 @@ def whole_file(path: Path, sync: bool = True) -> Iterator[Path]:
             with temporary.open("rb+") as file:
                 os.fsync(file.fileno())
         temporary.replace(path)
+    except OSError as error:
+        if error.errno is not None:  # a full disk does not name the file
+            error.filename = error.filename or str(path)
+        raise
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def write_if_changed(path: Path, content: bytes) -> Path:
+    """Write a file atomically, unless it has this content: it keeps its time of modification."""
+    if not path.is_file() or path.read_bytes() != content:
+        write_atomically(path, content)
+    return path
 
 
 def write_atomically(path: Path, content: bytes, sync: bool = True) -> Path:

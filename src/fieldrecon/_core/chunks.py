@@ -39,8 +39,11 @@ def chunked(
     rows: int,
     executor: Executor | None = None,
     progress: Progress | None = None,
+    order: np.ndarray | None = None,
 ) -> Iterator[tuple[slice, Result]]:
     """Yield each slice of rows of `x` with work(x[slice]), in order.
+
+    With an order (m,) of the rows, it is work(x[order[slice]]).
 
     The chunks run on `executor` (a pool of threads if None); `progress(done, total)` is called
     after each. An exception or an interrupt cancels the chunks that have not begun. `work` may
@@ -56,7 +59,8 @@ def chunked(
         try:
             while True:
                 while len(pending) < _AHEAD and (s := next(ahead, None)) is not None:
-                    pending.append((s, workers.submit(work_there, x[s])))
+                    part = x[s if order is None else order[s]]
+                    pending.append((s, workers.submit(work_there, part)))
                 if not pending:
                     return
                 s, future = pending.popleft()
@@ -68,6 +72,21 @@ def chunked(
         finally:
             for _, future in pending:
                 future.cancel()
+
+
+def report_all(progress: Progress | None, total: int) -> None:
+    """Report that all of the work is done, where it is not split."""
+    if progress is not None:
+        progress(total, total)
+
+
+def progress_after(progress: Progress | None, before: int, total: int) -> Progress | None:
+    """Return the progress of a part of `total` things, of which `before` are done already."""
+    return progress and partial(_part_progress, progress, before, total)
+
+
+def _part_progress(progress: Progress, before: int, total: int, done: int, _: int) -> None:
+    progress(before + done, total)
 
 
 def split_progress(progress: Progress | None, total: int, number: int) -> Iterator[Progress | None]:

@@ -23,6 +23,7 @@ PICTURES = ("matplotlib", "typst")
 """Packages needed for pictures; the fonts come with typst."""
 _PROVIDER = {
     "IPython": "ipykernel",
+    "PIL": "pillow",
     "mpl_toolkits": "matplotlib",
     "pypandoc": "pypandoc_binary",
     "skimage": "scikit-image",

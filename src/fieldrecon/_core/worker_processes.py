@@ -7,10 +7,12 @@ import os
 import signal
 import sys
 import threading
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager, suppress
 from multiprocessing.context import BaseContext
+from multiprocessing.process import BaseProcess
 from typing import Any
 
 
@@ -40,6 +42,21 @@ def _context() -> BaseContext:
             forkserver.ensure_running()
             return multiprocessing.get_context("forkserver")
     return multiprocessing.get_context("spawn")
+
+
+def start_process(work: Callable[..., object], *arguments: Any) -> BaseProcess:
+    """Start a process that calls a function; it does not outlive this one.
+
+    On Linux a worker forks it and shares its memory with it. This is safe since the other threads
+    of a worker only wait.
+    """
+    is_worker = sys.platform == "linux" and multiprocessing.parent_process() is not None
+    context: Any = multiprocessing.get_context("fork") if is_worker else _context()
+    process: BaseProcess = context.Process(target=work, args=arguments, daemon=True)
+    with _ctrl_c_blocked(), warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # of Python 3.12, about threads
+        process.start()
+    return process
 
 
 def _nothing() -> None:

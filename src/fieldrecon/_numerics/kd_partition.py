@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -44,13 +45,17 @@ class KDPartition:
 
     @classmethod
     def around(
-        cls, points: np.ndarray, size: float, progress: Progress | None = None
+        cls,
+        points: np.ndarray,
+        size: float,
+        executor: Executor | None = None,
+        progress: Progress | None = None,
     ) -> KDPartition:
         """Boxes of at most `size` of the sites (n, d) each, and at least four fifths of that."""
         number, levels = _slabs_and_levels(len(points) / size)
         across = int(np.argmax(points.max(axis=0) / 2 - points.min(axis=0) / 2))
         cuts, slabs = _slabs(points[:, across], number)
-        parts = chunked(partial(_cut, points, levels), slabs, 1, progress=progress)
+        parts = chunked(partial(_cut, points, levels), slabs, 1, executor, progress)
         *halvings, sites = zip(*(part for _, part in parts), strict=True)
         return cls(across, cuts, [_joined(level) for level in halvings], np.concatenate(sites))
 
@@ -69,12 +74,16 @@ class KDPartition:
         return box
 
     def reached(
-        self, centers: np.ndarray, radii: np.ndarray, progress: Progress | None = None
+        self,
+        centers: np.ndarray,
+        radii: np.ndarray,
+        executor: Executor | None = None,
+        progress: Progress | None = None,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Balls that reach into each box b: `ball[start[b] : start[b + 1]]`, in ascending order."""
         rows = rows_of(2**7 * 8 * centers.shape[1])
         work = partial(self._reach, centers, radii)
-        parts = chunked(work, np.arange(len(centers)), rows, progress=progress)
+        parts = chunked(work, np.arange(len(centers)), rows, executor, progress)
         ball, box = np.concatenate([part for _, part in parts], axis=1)
         shape = len(self.sites), len(centers)
         there = sparse.coo_array((np.ones(len(ball), dtype=bool), (box, ball)), shape).tocsr()

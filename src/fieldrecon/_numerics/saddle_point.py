@@ -88,6 +88,13 @@ class SaddlePoint:
         # values that are not finite stay so, and the caller reports them
         return solve_triangular(self._r, g, trans=trans, check_finite=False)
 
+    def least_columns(self) -> int:
+        """Number of right-hand sides below which reading the factor takes most of the time.
+
+        It is a small part of n, so that their arrays are small beside the factor.
+        """
+        return len(self) // 64
+
     def inverse_diagonal(self) -> np.ndarray:
         """Diagonal (n,) of the leading block of the inverse, Z (Z^T A Z)^-1 Z^T."""
         n = len(self)
@@ -135,6 +142,10 @@ class SparseSaddlePoint(SaddlePoint):
             return y, right
         rc = cho_solve(self._small, right, check_finite=False)
         return y - self._inverse_q @ rc, solve_triangular(self._r, rc, check_finite=False)
+
+    def least_columns(self) -> int:
+        """Number of right-hand sides below which reading the factor takes most of the time."""
+        return min(_COLUMNS, super().least_columns())
 
     def __len__(self) -> int:
         return len(self._p)

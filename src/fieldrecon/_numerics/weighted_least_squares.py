@@ -2,8 +2,9 @@
 
 For each of m queries, C with c = C f minimises sum_i w_i^2 (b_i^T c - f_i)^2. Where the matrix is
 well conditioned, the normal equations are solved by elimination, batched over the queries. They
-square the condition number. If all coefficients are wanted, as for gradients, one step of iterative
-refinement, C + (I - C B) C, mends this: the errors are those of QR, at a fraction of its cost.
+square the condition number. One step of iterative refinement, C + (I - C B) C, mends this: the
+errors are those of QR, at a fraction of its cost. It needs all coefficients. If only the first ones
+are wanted, as for values, it is taken for the few queries at which the determinant is small.
 
 The remaining problems take one of two stabler ways. If all coefficients must be determined, it is
 Householder QR with rows and columns pivoted, which is stable however much the weights of the rows
@@ -26,6 +27,9 @@ LARGEST_WEIGHT = 1e8
 # digits of sixteen to one such pivot, and more where several are small in a row. A hundredth would
 # save most of those, and takes a fifth more time at degree 2.
 _SAFE_PIVOT = 1e-3
+# First coefficients are refined where the determinant of this matrix is smaller: at one query in
+# fourteen or fewer. Of 20 000 others the worst loses 2e-13; without refinement it loses 2e-12.
+_SAFE_DETERMINANT = 1e-2
 # Squares of entries below this lose digits, or vanish.
 _SMALLEST_SQUARE = 1e-6
 # C b may differ from the unit matrix by this after elimination before a stabler way is taken.
@@ -67,16 +71,26 @@ def coefficient_weights(
     Undetermined
         If the sites with positive weight leave a polynomial undetermined.
     """
-    a = w[..., None] * b
-    solution, safe = by_elimination(a.mT @ a, rows)
-    c = (a @ solution).mT * w[:, None, :]
+    weighted = (w * w)[..., None] * b
     if rows == b.shape[2]:
-        c += (np.eye(rows) - c @ b) @ c
+        c, safe = _refined(b, weighted)
+    else:
+        solution, safe, determinant = by_elimination(weighted.mT @ b, rows)
+        c = (weighted @ solution).mT
+        inexact = safe & (determinant < _SAFE_DETERMINANT)
+        c[inexact] = _refined(b[inexact], weighted[inexact])[0][:, :rows]
     if not safe.all():
         risky = ~safe
         _require_full_rank(b, w, tolerance, np.flatnonzero(risky))
         c[risky] = _by_qr(b[risky], w[risky])[:, :rows]
     return c
+
+
+def _refined(b: np.ndarray, weighted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """C (m, q, k) by elimination and one step of iterative refinement, and where to trust it."""
+    solution, safe, _ = by_elimination(weighted.mT @ b, b.shape[2])
+    c = (weighted @ solution).mT
+    return c + (np.eye(b.shape[2]) - c @ b) @ c, safe
 
 
 def estimable_weights(b: np.ndarray, w: np.ndarray, rows: int) -> np.ndarray:
@@ -96,9 +110,9 @@ def estimable_weights(b: np.ndarray, w: np.ndarray, rows: int) -> np.ndarray:
     (m, rows, k) ndarray
         C, so that C f are the first coefficients; nan where they are not estimable.
     """
-    a = w[..., None] * b
-    solution, safe = by_elimination(a.mT @ a, rows)
-    c = (a @ solution).mT * w[:, None, :]
+    weighted = (w * w)[..., None] * b
+    solution, safe, _ = by_elimination(weighted.mT @ b, rows)
+    c = (weighted @ solution).mT
     # pivots that are small one after the other lose more than each; C b shows how much
     lost = c @ b - np.eye(rows, b.shape[2])
     risky = np.flatnonzero(~safe | (np.einsum("mrq,mrq->m", lost, lost) > _ROUNDING**2))
@@ -149,25 +163,29 @@ def _heaviest(w: np.ndarray) -> np.ndarray:
     return np.argmax(w, axis=1)[:, None, None]
 
 
-def by_elimination(g: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
-    """Columns (m, q, rows) of the inverse of the normal matrices, and where they can be trusted."""
+def by_elimination(g: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Columns (m, q, rows) of the inverse of the normal matrices, and where they can be trusted.
+
+    The determinants (m,) of the equilibrated matrices come third: products of their pivots.
+    """
     m, q, _ = g.shape
     diagonal = np.einsum("mii->mi", g)
     size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     t = np.zeros((q, q + rows, m))  # queries last: each step runs over contiguous memory
     t[:, :q] = (g / (size[:, :, None] * size[:, None, :])).transpose(1, 2, 0)
     t[range(rows), range(q, q + rows)] = 1.0
-    least = np.ones(m)
+    least, determinant = np.ones(m), np.ones(m)
     for j in range(q):
         pivot = t[j, j].copy()
         least = np.fmin(least, pivot)
+        determinant *= pivot
         t[j, j:] /= np.where(pivot > _SAFE_PIVOT, pivot, 1.0)
         for i in range(q):
             if i != j:
                 t[i, j + 1 :] -= t[i, j] * t[j, j + 1 :]
     safe = (least > _SAFE_PIVOT) & (diagonal > _SMALLEST_SQUARE).all(axis=1)
     scaled = t[:, q:].transpose(2, 0, 1) / size[:, :, None]
-    return scaled / size[:, None, :rows], safe
+    return scaled / size[:, None, :rows], safe, determinant
 
 
 def _require_full_rank(

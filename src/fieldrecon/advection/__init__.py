@@ -1,7 +1,7 @@
 """Semi-Lagrangian advection on scattered points.
 
-The characteristics are traced back for one time step, and the new values are those of the
-reconstructed field at the departure points. Wendland (2005), section 1.3.
+The characteristics are traced back for one time step, and the new values are the
+values of the reconstructed field at the departure points. Wendland (2005), section 1.3.
 """
 
 from fieldrecon.advection.adaptation import adapted_points

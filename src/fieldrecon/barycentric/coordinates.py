@@ -44,7 +44,6 @@ class ConvexCoordinates(Reconstruction):
         """Heights (f, m) of queries (m, d) below the faces, times the lengths of the normals."""
 
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
-        self._refuse_if_too_large(len(x))
         w = np.empty((self._form.n, len(x)))
         for part in self._parts(len(x), 1):
             lost = self._form.weights(self._heights(x[part]), out=w[:, part])
@@ -54,7 +53,6 @@ class ConvexCoordinates(Reconstruction):
 
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
         d = x.shape[1]
-        self._refuse_if_too_large(len(x), d)
         g = np.empty((d, self._form.n, len(x)))
         for part in self._parts(len(x), 1 + d):
             gradients, lost = self._form.derivatives(self._heights(x[part]), 1)

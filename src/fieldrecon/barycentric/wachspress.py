@@ -72,7 +72,7 @@ class ProductForm:
     def derivatives(self, h: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray]:
         """Derivatives (c, n, m) of the weights of sum one, and where (m,) the sum vanishes.
 
-        The rows are those of a jet below its values. The derivatives of the largest weight follow
+        They are rows of a jet below its values. The derivatives of the largest weight follow
         from the sum zero of all: where more than d faces meet, its own terms would cancel.
         """
         (f, d), m = self.normals.shape, h.shape[1]

@@ -17,9 +17,9 @@ from fieldrecon.cli.console import (
     say,
 )
 from fieldrecon.cli.progress import stages
-from fieldrecon.io.meshes import packages_to_write, write_triangles
+from fieldrecon.io.meshes import packages_to_write
 from fieldrecon.pages.audit_files import write_audit
-from fieldrecon.pipelines.audit import AuditRequest, audit_file
+from fieldrecon.pipelines.mesh_audits import audit as audit_of
 from fieldrecon.triangles.audit import MeshAudit, in_words
 
 _MAX_FINDINGS = 3
@@ -61,13 +61,16 @@ def audit(options: argparse.Namespace) -> int:
     """Print the errors of a mesh, and write them and the repaired mesh; return 1 if any remain."""
     if options.repair:
         require(*packages_to_write(options.repair))
-    request = AuditRequest(
-        options.mesh, options.tolerance, options.repair is not None, options.largest_hole
-    )
     with stages() as stage:
-        result = audit_file(request, stages=stage)
+        result = audit_of(
+            options.mesh,
+            tolerance=options.tolerance,
+            repair=options.repair is not None,
+            largest_hole=options.largest_hole,
+            stages=stage,
+        )
         if result.repair:
-            write_triangles(options.repair, result.repair.points, result.repair.triangles)
+            result.write(options.repair)
     written = write_audit(options.out, result.audit, result.points, result.triangles)
     if options.json:
         left = result.final.as_dict()

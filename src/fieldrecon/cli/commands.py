@@ -61,7 +61,7 @@ OF_THE_LIBRARY = {
         "fieldrecon.cli.reconstruct",
         "a field from a table of samples, by the method that fits them best",
         "Reconstruct a field from samples, on a grid, at points or on a mesh. Methods are compared "
-        "by their errors at samples that are left out. Each value has an error estimate, and "
+        "by their errors at samples that are held out. Each value has an error estimate, and "
         "extrapolated values are marked.",
     ),
     "surface": Command(

@@ -5,11 +5,9 @@ from __future__ import annotations
 import argparse
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from fieldrecon._core.atomic_files import whole_file, write_atomically
+from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.extras import PICTURES, absent
 from fieldrecon.cli.console import (
     as_parameters,
@@ -21,14 +19,26 @@ from fieldrecon.cli.console import (
 from fieldrecon.cli.progress import stages
 from fieldrecon.io.saved_fields import save
 from fieldrecon.io.values import FORMATS, as_formats
-from fieldrecon.pages.reconstruction_page import methods_csv, summary
-from fieldrecon.pipelines.reconstruct import SurveyRequest, SurveyResult, reconstruct_survey
+from fieldrecon.pages.reconstruction_page import methods_csv, pictures, summary
+from fieldrecon.pipelines.surveys import SurveyResult
+from fieldrecon.pipelines.surveys import reconstruct as reconstruct_samples
 from fieldrecon.selection.models import MODELS
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-_CAPTIONS = {"reconstruction": "The field", "error": "The error of the field"}
+_OPTIONS = (
+    "x",
+    "y",
+    "value",
+    "z",
+    "sigma",
+    "strict",
+    "method",
+    "grid",
+    "at",
+    "mesh",
+    "load",
+    "crs",
+)
+"""The options that the function has as arguments."""
 _STEMS = {"nodes": "grid", "points": "points", "vertices": "mesh"}
 
 
@@ -49,14 +59,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             metavar="COLUMN",
             help=f"the column that holds {name}" + (", of points in space" if name == "z" else ""),
         )
+    add(
+        "--sigma",
+        metavar="COLUMN",
+        help="the standard deviations of the values: less certain ones are smoothed more",
+    )
     add("--lonlat", action="store_true", help="x and y are degrees of longitude and latitude")
+    add("--crs", metavar="NAME", help="of x and y, such as EPSG:32612: recorded in NetCDF files")
     add("--strict", action="store_true", help="stop at a bad row instead of skipping it")
     add(
         "--method",
         default="best",
         metavar="NAME",
         help=f"{', '.join(MODELS)}, or best (the default): the method with the smallest error "
-        "at samples that are left out",
+        "at samples that are held out",
     )
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--grid", type=_counts, metavar="NXxNY[xNZ]", help="nodes over the samples")
@@ -84,10 +100,14 @@ def _counts(text: str) -> tuple[int, ...]:
 
 def reconstruct(options: argparse.Namespace) -> None:
     """Reconstruct a field from samples; print and write it."""
-    request = SurveyRequest(**{f.name: getattr(options, f.name) for f in fields(SurveyRequest)})
-    file, formats = _outputs(options, request.inputs)
+    if (options.samples is None) == (options.load is None):
+        raise ValueError("give either a table of samples or --load with a field")
+    file, formats = _outputs(options)
+    given = {name: getattr(options, name) for name in _OPTIONS}
     with stages() as stage:
-        survey = reconstruct_survey(request, stages=stage)
+        survey = reconstruct_samples(
+            options.samples, **given, lonlat=options.lonlat or None, stages=stage
+        )
         stage("writing")
         written = list(_written(survey, file, formats, options))
     print_survey(survey)
@@ -95,14 +115,15 @@ def reconstruct(options: argparse.Namespace) -> None:
     print_missing_pictures()
 
 
-def _outputs(options: argparse.Namespace, inputs: Sequence[Path]) -> tuple[Path | None, list[str]]:
+def _outputs(options: argparse.Namespace) -> tuple[Path | None, list[str]]:
     """Return the output file, or None for a folder, and the formats."""
     suffix = options.out.suffix
     file = options.out if re.fullmatch(r"\.[A-Za-z]\w*", suffix) else None
     formats = as_formats([suffix] if file else (options.format or "csv,npz").split(","))
     if file and options.format and as_formats(options.format.split(",")) != formats:
         raise ValueError(f"--out {file} names another format than --format {options.format}")
-    read = {path.resolve() for path in inputs}
+    inputs = (options.samples, options.load, options.at, options.mesh)
+    read = {path.resolve() for path in inputs if path}
     for path in filter(None, (file, options.save)):
         if path.resolve() in read:
             raise ValueError(f"{path} is read, and would be overwritten; choose another name")
@@ -112,11 +133,12 @@ def _outputs(options: argparse.Namespace, inputs: Sequence[Path]) -> tuple[Path 
 def print_survey(survey: SurveyResult) -> None:
     """Print the errors of the methods, what was evaluated, and the warnings."""
     compared = [t for t in survey.ranked if t.residuals is not None]
-    rows = [(t.model.name, t.model.meaning, t.rms, t.largest) for t in compared]
+    rows = [(t.model.name, t.model.meaning, t.n_held_out, t.rms, t.largest) for t in compared]
     name, count = survey.samples.names[-1], len(survey.samples.points)
     if rows:
-        title = f"{name} at {count} points: error when each of {survey.n_held_out} is left out"
-        print_table(("method", "what it is", "rms error", "largest error"), rows, title=title)
+        title = f"{name} at {count} points: error at samples that are held out"
+        columns = ("method", "what it is", "held out", "rms error", "largest error")
+        print_table(columns, rows, title=title)
     for t in survey.scores:
         if t.residuals is None:
             say(f"{t.model.name}: {t.reason}.")
@@ -130,31 +152,18 @@ def _written(
     survey: SurveyResult, file: Path | None, formats: Sequence[str], options: argparse.Namespace
 ) -> Iterator[Path]:
     """Write the values, the methods, the pictures and the page; yield the files."""
-    from fieldrecon.plotting.figure_files import figure_bytes, write_figure
+    from fieldrecon.plotting.figure_files import write_figure
 
     stem = _STEMS[survey.result.targets.kind]
     for name in formats:
-        path = file or options.out / f"{stem}.{name}"
-        with whole_file(path) as temporary:
-            FORMATS[name](temporary, survey.result)
-        yield path
+        yield survey.write(file or options.out / f"{stem}.{name}")
     if options.save:
         save(options.save, survey.field, survey.samples.names)
         yield options.save
-    pictures = _pictures(survey)
-    drawn = {_CAPTIONS[name]: figure_bytes(picture, "png") for name, picture in pictures.items()}
+    drawn = {} if absent(*PICTURES) else pictures(survey)
     page = file.with_suffix(".html") if file else options.out / "summary.html"
     if not file:
         yield write_atomically(options.out / "methods.csv", methods_csv(survey))
-        for name, picture in pictures.items():
+        for name, picture in drawn.items():
             yield from write_figure(picture, options.out / name, ("png", "svg"))
-    yield write_atomically(page, summary(survey, drawn, as_parameters(options)).encode())
-
-
-def _pictures(survey: SurveyResult) -> dict[str, Figure]:
-    """Draw the field and its error; empty without the packages that draw."""
-    if absent(*PICTURES):
-        return {}
-    from fieldrecon.plotting.field_pictures import plot, plot_error
-
-    return {"reconstruction": plot(survey), "error": plot_error(survey)}
+    yield write_atomically(page, summary(survey, as_parameters(options), drawn).encode())

@@ -21,12 +21,13 @@ from fieldrecon.cli.console import (
     say,
 )
 from fieldrecon.cli.progress import stages
-from fieldrecon.io.meshes import packages_to_write, write_triangles
-from fieldrecon.pages.surface_page import surface_page
-from fieldrecon.pipelines.surface import ScanRequest, ScanResult, reconstruct_scan
+from fieldrecon.io.meshes import packages_to_write
+from fieldrecon.pages.surface_page import UP, picture, surface_page
+from fieldrecon.pipelines.scans import ScanResult
+from fieldrecon.pipelines.scans import surface as surface_of
+from fieldrecon.plotting.figure_files import figure_bytes
 
 FORMATS = (".ply", ".stl", ".obj", ".off")
-UP = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
 _COARSE = 1e-3  # roundings beyond this share of the spacing are reported
 
 
@@ -80,17 +81,17 @@ def surface(options: argparse.Namespace) -> int:
     if options.out.resolve() == options.cloud.resolve():
         raise ValueError(f"{options.out} is read, and would be overwritten; choose another name")
     require("skimage", *packages_to_write(options.out))
-    request = ScanRequest(
-        options.cloud,
-        own_normals=options.normals == "file",
-        smoothing=options.smoothing,
-        polygons=options.polygons,
-        edge=options.edge,
-        open=options.open,
-    )
     began = perf_counter()
     with stages() as stage:
-        scan = reconstruct_scan(request, stages=stage)
+        scan = surface_of(
+            options.cloud,
+            normals=options.normals,
+            smoothing=options.smoothing,
+            polygons=options.polygons,
+            edge=options.edge,
+            open=options.open,
+            stages=stage,
+        )
         warnings = [*scan.warnings, *_precision_warning(scan, options.out)]
         written = list(_written(scan, warnings, options, stage, began))
     print_scan(options.cloud, scan, warnings, _cost(began))
@@ -116,25 +117,21 @@ def _written(
     began: float,
 ) -> Iterator[Path]:
     """Write the mesh, the picture and the page; yield the files."""
-    picture = _picture(scan, options.up, stage)
+    drawn = _picture(scan, options.up, stage)
     stage("writing")
-    write_triangles(options.out, scan.points, scan.mesh.triangles)
-    yield options.out
-    if picture:
-        yield write_atomically(options.out.with_suffix(".png"), picture)
+    yield scan.write(options.out)
+    if drawn:
+        yield write_atomically(options.out.with_suffix(".png"), drawn)
     parameters = as_parameters(options, omit="cloud") | {"time and memory": _cost(began)}
-    text = surface_page(options.cloud.name, scan, picture, warnings, parameters)
-    yield write_atomically(options.out.with_suffix(".html"), text.encode())
+    page = surface_page(scan, warnings, parameters, drawn)
+    yield write_atomically(options.out.with_suffix(".html"), page.encode())
 
 
 def _picture(scan: ScanResult, up: str, stage: Stages) -> bytes:
     """Draw the surface, as PNG; empty without the packages that draw."""
     if absent(*PICTURES):
         return b""
-    from fieldrecon.plotting.figure_files import figure_bytes
-    from fieldrecon.plotting.surface_picture import plot
-
-    return figure_bytes(plot(scan, UP[up], progress=stage("drawing")), "png")
+    return figure_bytes(picture(scan, up, progress=stage("drawing")), "png")
 
 
 def _precision_warning(scan: ScanResult, path: Path) -> Iterator[str]:

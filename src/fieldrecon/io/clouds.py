@@ -1,17 +1,19 @@
-"""Point clouds in files: scans as meshes of any format that is read, or as tables."""
+"""Point clouds: scans in files of meshes of any format that is read, or in tables."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fieldrecon._core.geometry import triangle_normals
+from fieldrecon.io.frames import Source, as_source, bad_row_message, numbered, read_source
 from fieldrecon.io.mesh_content import MeshContent
 from fieldrecon.io.meshes import READERS, read_content
-from fieldrecon.io.tables import ColumnSpec, bare_name, read_table
+from fieldrecon.io.tables import ColumnSpec, bare_name
 
 _MIN_POINTS = 10
 _UNIT_LENGTHS = (0.9, 1.1)  # lengths at which unnamed columns are taken for normals
@@ -34,7 +36,7 @@ class Cloud:
     warnings : tuple of str
         What was skipped, in sentences.
     normals_of : str
-        The source of the normals: "file" or "triangles in the file".
+        The source of the normals: "file", "triangles in the file", or a table in memory.
     """
 
     points: np.ndarray
@@ -70,14 +72,41 @@ def read_cloud(path: str | Path) -> Cloud:
     """
     path = Path(path)
     read = _cloud_of_mesh if path.suffix.lower() in READERS else _cloud_of_table
-    cloud = _finite(read(path))
+    return _checked(read(path), path)
+
+
+def as_cloud(data: Any) -> Cloud:
+    """A cloud as it is, or one read from a file, an array of points, or a table in memory.
+
+    Parameters
+    ----------
+    data : Cloud, path, (n, 3) array_like, or a table in memory
+        A table has columns x, y, z and perhaps nx, ny, nz; see `fieldrecon.io.frames.as_source`.
+
+    Raises
+    ------
+    ValueError
+        If it holds too few points, or none in space.
+    TypeError
+        If it is of no known kind.
+    """
+    if isinstance(data, Cloud):
+        return data
+    source = as_source(data)
+    if isinstance(source, Path):
+        return read_cloud(source)
+    return _checked(replace(_cloud_of_table(source), normals_of=source.name), source)
+
+
+def _checked(cloud: Cloud, source: Source) -> Cloud:
+    cloud = _finite(cloud)
     if len(cloud.points) < _MIN_POINTS:
         raise ValueError(
-            f"{path} holds {len(cloud.points)} points; a surface takes {_MIN_POINTS} at least"
+            f"{source} holds {len(cloud.points)} points; a surface takes {_MIN_POINTS} at least"
         )
     m = cloud.triangles
     if len(m) and (m.min() < 0 or m.max() >= len(cloud.points)):
-        raise ValueError(f"{path} holds a triangle of points that it does not hold")
+        raise ValueError(f"{source} holds a triangle of points that it does not hold")
     return _with_normals(cloud)
 
 
@@ -99,7 +128,7 @@ def _point_normals(content: MeshContent) -> np.ndarray | None:
     return np.column_stack([np.asarray(data[name], dtype=float) for name in named])
 
 
-def _cloud_of_table(path: Path) -> Cloud:
+def _cloud_of_table(source: Source) -> Cloud:
     names: list[str] = []
 
     def choose(columns: list[str]) -> Sequence[int]:
@@ -107,17 +136,17 @@ def _cloud_of_table(path: Path) -> Cloud:
         wanted = [*"xyz", *next((n for n in _NORMALS if {*n} <= {*bare}), ())]
         if missing := [name for name in wanted if name not in bare]:
             raise ValueError(
-                f"{path} has no column {missing[0]!r}; points in space have x, y and z, and it has "
-                f"{', '.join(columns)}"
+                f"{source} has no column {missing[0]!r}; points in space have x, y and z, and it "
+                f"has {', '.join(columns)}"
             )
         unnamed = columns[3:6] == ["column 4", "column 5", "column 6"]
         names[:] = [*wanted, *columns[3:6]] if unnamed else wanted
         return [bare.index(name) for name in wanted] + [3, 4, 5] * unnamed
 
-    table = read_table(path, ColumnSpec(choose))
+    table = read_source(source, ColumnSpec(choose))
     numbers = table.numbers
     if not len(numbers):
-        raise ValueError(f"{path}, line {table.bad[0].line}: {table.bad[0].reason}")
+        raise ValueError(bad_row_message(source, table.bad[0]))
     normals = numbers[:, 3:] if len(names) == 6 else None
     if normals is not None and "column 4" in names:
         lengths = np.linalg.norm(normals, axis=1)
@@ -127,7 +156,8 @@ def _cloud_of_table(path: Path) -> Cloud:
     if table.bad:
         row, count = table.bad[0], len(table.bad)
         rows = "row was" if count == 1 else "rows were"
-        warnings = [f"{count} {rows} skipped; the first, line {row.line}: {row.reason}."]
+        first = f"the first, {numbered(source)} {row.line}: {row.reason}"
+        warnings = [f"{count} {rows} skipped; {first}."]
     return Cloud(numbers[:, :3], normals, np.empty((0, 3), dtype=np.intp), tuple(warnings))
 
 

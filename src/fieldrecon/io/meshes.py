@@ -179,7 +179,7 @@ def read_triangles(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     ----------
     path : str or pathlib.Path
         Each triangle of an .stl file has vertices of its own; the normals in the file are ignored.
-        The other formats are those of `read_surface`.
+        The other formats are the same as in `read_surface`.
 
     Returns
     -------

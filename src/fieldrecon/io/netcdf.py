@@ -5,54 +5,40 @@ The files are of version 3 with 64-bit offsets, which every reader of NetCDF sup
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.io import netcdf_file
 
-from fieldrecon.io.targets import Targets, TargetValues, unused_name
-from fieldrecon.selection.extrapolation import MEANINGS
+from fieldrecon.io.cf import CONVENTIONS, CfVariable, cf_variables
+from fieldrecon.io.targets import TargetValues
 
 
 def write_netcdf(path: Path, result: TargetValues) -> None:
     """Write variables over the axes of a grid, or over points with their coordinates."""
-    targets = result.targets
-    taken: list[str] = []
-    names = [
-        unused_name(re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "v", taken)
-        for name in (*result.names[:-1], *result.columns)
-    ]
-    d = targets.points.shape[1]
+    variables = cf_variables(result)
+    coordinates = " ".join(v.name for v in variables if v.role == "coordinate")
     with netcdf_file(path, "w", mmap=False, version=2) as file:
-        file.Conventions = "CF-1.8"
-        dimensions = _create_dimensions(file, names[:d], targets)
-        coordinates = targets.axes or targets.points.T
-        for k, column in enumerate([*coordinates, *result.columns.values()]):
-            own = dimensions if k >= d or not targets.axes else (names[k],)
-            kind = "i1" if column.dtype.kind == "i" else "f8"
-            variable = file.createVariable(names[k], kind, own)
-            variable[:] = column.reshape(variable.shape)
-            variable.long_name = (*result.names[:d], *result.columns)[k].encode()
-            if k >= d and not targets.axes:
-                variable.coordinates = " ".join(names[:d])
-        _set_attributes(file, names, result)
+        file.Conventions = CONVENTIONS
+        for variable in variables:
+            _create_dimensions(file, variable)
+            written = file.createVariable(
+                variable.name, variable.data.dtype.str[1:], variable.dimensions
+            )
+            written[...] = variable.data
+            for key, value in variable.attributes.items():
+                setattr(written, key, _encoded(value))
+            if variable.role == "data" and not result.targets.axes:
+                written.coordinates = coordinates
 
 
-def _create_dimensions(file: netcdf_file, names: list[str], targets: Targets) -> tuple[str, ...]:
-    if not targets.axes:
-        file.createDimension("point", len(targets.points))
-        return ("point",)
-    for name, axis in zip(names, targets.axes, strict=True):
-        file.createDimension(name, len(axis))
-    return tuple(reversed(names))
+def _create_dimensions(file: netcdf_file, variable: CfVariable) -> None:
+    for name, length in zip(variable.dimensions, variable.data.shape, strict=True):
+        if name not in file.dimensions:
+            file.createDimension(name, length)
 
 
-def _set_attributes(file: netcdf_file, names: list[str], result: TargetValues) -> None:
-    """Set the units of degrees, and the meanings of the flags of extrapolation."""
-    if result.lonlat:
-        file.variables[names[0]].units = "degrees_east"
-        file.variables[names[1]].units = "degrees_north"
-    flag = file.variables[names[-1]]
-    flag.flag_values = np.arange(len(MEANINGS), dtype=np.int8)
-    flag.flag_meanings = " ".join(meaning.replace(" ", "_") for meaning in MEANINGS)
+def _encoded(value: Any) -> Any:
+    """Texts in UTF-8, since scipy takes ASCII, and numbers as arrays, since it rounds a float."""
+    return value.encode() if isinstance(value, str) else np.asarray(value)

@@ -40,20 +40,10 @@ ADDED = {"metric": None}
 """Arguments that older files lack, with their values in these files."""
 
 
-def _is_made_from_points(method: object) -> bool:
-    if not (isinstance(method, type) and issubclass(method, Reconstruction)):
-        return False
-    try:
-        method._argument_names()
-    except TypeError:
-        return False
-    return True
-
-
 _METHODS: Mapping[str, type[Reconstruction]] = {
     name: method
     for name, method in (vars(methods) | vars(barycentric)).items()
-    if _is_made_from_points(method)
+    if isinstance(method, type) and issubclass(method, Reconstruction)
 }
 _KERNELS: Mapping[str, type[Radial]] = {
     name: kernel

@@ -10,6 +10,7 @@ import csv
 import io
 import math
 import os
+import re
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -326,6 +327,7 @@ def _default_names(count: int) -> list[str]:
 
 # --- names of columns -----------------------------------------------------------------------------
 
+_WITH_UNIT = re.compile(r"(.*\S)\s*(?:\[([^][]+)\]|\(([^(),\s]+)\))\s*")
 _USUAL_NAMES = {
     "x": ("x", "easting", "east", "lon", "long", "longitude"),
     "y": ("y", "northing", "north", "lat", "latitude"),
@@ -334,12 +336,12 @@ _USUAL_NAMES = {
 }
 
 
-def chosen_columns(path: Path, columns: list[str], names: Mapping[str, str | None]) -> list[int]:
+def chosen_columns(table: object, columns: list[str], names: Mapping[str, str | None]) -> list[int]:
     """Return the indices of the columns for each role: by the given name, else by a usual one.
 
     Parameters
     ----------
-    path : Path
+    table : Path or Frame
         For the messages.
     columns : list of str
         The columns of the table.
@@ -353,12 +355,12 @@ def chosen_columns(path: Path, columns: list[str], names: Mapping[str, str | Non
     """
     for name in names.values():
         if name is not None and name not in columns:
-            raise ValueError(f"{path} has no column {name!r}; it has {', '.join(columns)}")
+            raise ValueError(f"{table} has no column {name!r}; it has {', '.join(columns)}")
     named = [columns.index(name) for name in names.values() if name is not None]
     found: dict[str, int | None] = {}
     for role, name in names.items():
         taken = {*named, *found.values()}
-        usual = _usual_column(columns, _USUAL_NAMES[role], taken)
+        usual = _usual_column(columns, _USUAL_NAMES.get(role, ()), taken)
         found[role] = columns.index(name) if name is not None else usual
     unused = set(range(len(columns))) - set(found.values())
     if found["value"] is None and len(unused) == 1:
@@ -366,8 +368,8 @@ def chosen_columns(path: Path, columns: list[str], names: Mapping[str, str | Non
     for role, column in found.items():
         if column is None:
             raise ValueError(
-                f"it is not clear which column of {path} to take; "
-                f"name it with --{role}: {', '.join(columns)}"
+                f"it is not clear which column of {table} is {role}; "
+                f"name it by the option {role}: {', '.join(columns)}"
             )
     chosen = [column for column in found.values() if column is not None]
     if len(set(chosen)) < len(chosen):
@@ -387,6 +389,18 @@ def _usual_column(
 def bare_name(name: str) -> str:
     """Return the name of a column in lower case, without its unit in brackets."""
     return name.lower().split("(")[0].split("[")[0].strip()
+
+
+def name_and_unit(name: str) -> tuple[str, str]:
+    """Return the name of a column without its unit, and the unit in brackets or an empty string.
+
+    Examples
+    --------
+    >>> name_and_unit("depth [m]"), name_and_unit("f(x, y)")
+    (('depth', 'm'), ('f(x, y)', ''))
+    """
+    found = _WITH_UNIT.fullmatch(name)
+    return (found[1], found[2] or found[3]) if found else (name, "")
 
 
 # --- writing --------------------------------------------------------------------------------------

@@ -9,11 +9,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from fieldrecon._core import validation as valid
+from fieldrecon.io.frames import Frame, Source, bad_row_message, numbered, read_source
 from fieldrecon.io.meshes import read_mesh, read_surface
-from fieldrecon.io.tables import BadRow, ColumnSpec, read_table
+from fieldrecon.io.tables import BadRow, ColumnSpec, name_and_unit
 
 MAX_NODES = 4e8
 """Largest number of nodes of a grid; its files alone would exceed the memory of most machines."""
@@ -32,12 +35,18 @@ class Targets:
         Triangles or tetrahedra, if the points are the vertices of a mesh.
     bad : tuple of BadRow
         Skipped rows of the table.
+    index : object, optional
+        Labels of the rows of a data frame.
+    numbered : str
+        What the numbers of the skipped rows are: "line" of a file, or "row" in memory, from 0.
     """
 
     points: np.ndarray
     axes: tuple[np.ndarray, ...] = ()
     cells: np.ndarray | None = None
     bad: tuple[BadRow, ...] = ()
+    index: Any = None
+    numbered: str = "line"
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -64,6 +73,10 @@ class TargetValues:
         As `fieldrecon.selection.extrapolated` returns them.
     lonlat : bool
         Whether the coordinates are degrees of longitude and latitude.
+    units : sequence of str
+        Units of the coordinates and of the value, empty where unknown.
+    crs : mapping, optional
+        Attributes of the grid mapping, as `fieldrecon.io.crs.grid_mapping` returns them.
     """
 
     names: Sequence[str]
@@ -72,6 +85,23 @@ class TargetValues:
     error: np.ndarray
     extrapolated: np.ndarray
     lonlat: bool = False
+    units: Sequence[str] = ()
+    crs: Mapping[str, Any] | None = None
+
+    @property
+    def names_and_units(self) -> list[tuple[str, str]]:
+        """For each coordinate and the value, the name without its unit, and the unit."""
+        units = self.units or ("",) * len(self.names)
+        found = [name_and_unit(name) for name in self.names]
+        return [
+            (bare, known) if not own else (name, own)
+            for name, own, (bare, known) in zip(self.names, units, found, strict=True)
+        ]
+
+    @property
+    def labels(self) -> list[str]:
+        """Names of the coordinates and of the value, with units in brackets where known."""
+        return [f"{name} [{unit}]" if unit else name for name, unit in self.names_and_units]
 
     @property
     def columns(self) -> Mapping[str, np.ndarray]:
@@ -83,8 +113,8 @@ class TargetValues:
 
 def unused_name(name: str, taken: list[str]) -> str:
     """Return the name, with a number if it is taken, and add it to the taken ones."""
-    numbered = (name if k == 1 else f"{name}_{k}" for k in count(1))
-    unused = next(candidate for candidate in numbered if candidate not in taken)
+    candidates = (name if k == 1 else f"{name}_{k}" for k in count(1))
+    unused = next(candidate for candidate in candidates if candidate not in taken)
     taken.append(unused)
     return unused
 
@@ -109,9 +139,13 @@ def grid_over(points: np.ndarray, counts: Sequence[int], lonlat: bool = False) -
     [170.0, 180.0, 190.0]
     """
     d = points.shape[1]
+    if np.ndim(counts) != 1:
+        raise ValueError(f"grid must be {d} numbers of nodes; got {counts!r}")
     if len(counts) != d:
         sides = "x".join(map(str, counts))
-        raise ValueError(f"a grid in {d} variables has {d} sides; got --grid {sides}")
+        raise ValueError(f"a grid in {d} variables has {d} sides; got {sides}")
+    for nodes in counts:
+        valid.as_count(nodes, "each number of grid", 2)
     if np.prod(np.array(counts, dtype=float)) > MAX_NODES:
         raise ValueError(
             f"a grid must have at most {MAX_NODES:.0e} nodes; got {'x'.join(map(str, counts))}"
@@ -143,9 +177,12 @@ def _unwrapped(longitudes: np.ndarray) -> np.ndarray:
 
 
 def targets_of_table(
-    path: Path, names: Sequence[str], lonlat: bool = False, strict: bool = False
+    table: Source, names: Sequence[str], lonlat: bool = False, strict: bool = False
 ) -> Targets:
     """Read targets from the columns of a table with these names; bad rows are skipped.
+
+    If these columns are the axes of a grid, as those of a data set may be, the targets are its
+    nodes.
 
     Raises
     ------
@@ -158,14 +195,22 @@ def targets_of_table(
             if name not in columns:
                 have = ", ".join(columns)
                 raise ValueError(
-                    f"{path} has no column {name!r}, as the samples have; it has {have}"
+                    f"{table} has no column {name!r}, as the samples have; it has {have}"
                 )
         return [columns.index(name) for name in names]
 
-    table = read_table(path, ColumnSpec(choose, (np.inf, 90.0) if lonlat else None))
-    if table.bad and (strict or not len(table.numbers)):
-        raise ValueError(f"{path}, line {table.bad[0].line}: {table.bad[0].reason}")
-    return Targets(table.numbers, bad=tuple(table.bad))
+    if isinstance(table, Frame) and {*names} <= {*table.axes}:
+        axes = tuple(
+            valid.as_numbers(table.axes[name], name, complex_allowed=False) for name in names
+        )
+        return Targets(grid_nodes(axes), axes)
+    found = read_source(table, ColumnSpec(choose, (np.inf, 90.0) if lonlat else None))
+    if found.bad and (strict or not len(found.numbers)):
+        raise ValueError(bad_row_message(table, found.bad[0]))
+    index = None
+    if isinstance(table, Frame) and table.index is not None:
+        index = table.index.delete([row.line for row in found.bad])
+    return Targets(found.numbers, bad=tuple(found.bad), index=index, numbered=numbered(table))
 
 
 def targets_of_mesh(path: Path, d: int) -> Targets:

@@ -1,7 +1,7 @@
 """Values of a field at targets, written as CSV, NPZ, VTK or NetCDF.
 
-Every format holds the same columns: the value under its name, ``error`` (of `ErrorEstimate`), and
-``extrapolated`` (0 among the samples, 1 in a gap, 2 outside).
+Every format holds the same columns: the value under its name, ``error`` (of `ErrorBand`), and
+``extrapolated`` (0 within the validated distance, 1 beyond, 2 also outside the hull).
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from fieldrecon._core.atomic_files import whole_file
 from fieldrecon.io.netcdf import write_netcdf
 from fieldrecon.io.targets import TargetValues
 from fieldrecon.io.vtk import write_vtk
@@ -48,6 +49,14 @@ FORMATS: Mapping[str, Callable[[Path, TargetValues], None]] = MappingProxyType(
     {"csv": write_csv, "npz": write_npz, "vtk": write_vtk, "nc": write_netcdf}
 )
 """The writer of each format, by its suffix."""
+
+
+def write_values(path: Path, result: TargetValues) -> Path:
+    """Write a file in the format that its suffix names, completely or not at all."""
+    (kind,) = as_formats([path.suffix])
+    with whole_file(path) as temporary:
+        FORMATS[kind](temporary, result)
+    return path
 
 
 def as_formats(texts: Iterable[str]) -> list[str]:

@@ -46,7 +46,7 @@ class Radial(ABC):
 
     @property
     def differentiable(self) -> bool:
-        """Whether x -> phi(|x|) has a gradient at the origin."""
+        """Whether phi, as a function of the point, has a gradient at the origin."""
         return True
 
     @property

@@ -72,9 +72,11 @@ def as_weight(weight: Radial) -> Radial:
 def relative_weights(weight: Radial, r: np.ndarray, there: np.ndarray) -> np.ndarray:
     """Weights (m, k) of sites at distances r, the largest of each row one; zero where none is."""
     with np.errstate(all="ignore"):  # a weight may vanish, or be infinite at a distance of zero
-        w = np.where(there, np.minimum(weight(r), _INFINITE), 0.0)
+        w = np.minimum(weight(r), _INFINITE)
+    w[~there] = 0.0
     top = w.max(axis=1, initial=0.0)
-    return w / np.where(top > 0, top, 1.0)[:, None]
+    w /= np.where(top > 0, top, 1.0)[:, None]
+    return w
 
 
 def log_square_slope(weight: Radial, r: np.ndarray, w: np.ndarray) -> np.ndarray:

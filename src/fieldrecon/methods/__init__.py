@@ -15,6 +15,7 @@ from fieldrecon.methods.natural_splines import NaturalCubicSpline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.methods.spline_bases import b_splines, cardinal_b_spline
+from fieldrecon.methods.tangent_plane import OnTangentPlane
 
 __all__ = [
     "RBF",
@@ -25,6 +26,7 @@ __all__ = [
     "MovingLeastSquares",
     "NaturalCubicSpline",
     "OnGlobe",
+    "OnTangentPlane",
     "PartitionOfUnityRBF",
     "b_splines",
     "cardinal_b_spline",

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import Executor
 
 import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
+from fieldrecon._core.chunks import Progress
 from fieldrecon._numerics.saddle_point import SparseSaddlePoint, entries_of_factor
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.derivatives import laplacian, second_derivatives
@@ -30,7 +32,13 @@ class NearPairs:
         self._tree = cKDTree(sites)
         self.pairs = int(self._tree.count_neighbors(self._tree, kernel.support))
 
-    def system(self, p: np.ndarray, smoothing: np.ndarray) -> SparseSaddlePoint:
+    def system(
+        self,
+        p: np.ndarray,
+        smoothing: np.ndarray,
+        executor: Executor | None = None,  # noqa: ARG002 - as for all pairs
+        progress: Progress | None = None,  # noqa: ARG002
+    ) -> SparseSaddlePoint:
         """Factored sparse system of the kernel between all sites, smoothed and bordered by P."""
         n, d = self.sites.shape
         refuse_beyond_memory(n, entries_of_factor(self.pairs, n, d))

@@ -9,6 +9,7 @@ most, since the squared distance from the centre is constant on the sphere.
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor
 from typing import Any
 
 import numpy as np
@@ -127,6 +128,10 @@ class OnGlobe(Reconstruction):
     def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:
         return self.method._leave_one_out(values, progress)
 
+    @property
+    def _has_sparse_weights(self) -> bool:
+        return self.method._has_sparse_weights
+
     def _weight_rows(self, x: np.ndarray) -> Weights:
         return self.method._weight_rows(to_unit(x))
 
@@ -160,14 +165,23 @@ class OnGlobe(Reconstruction):
         slope = np.einsum("mk,mvk->mv", u, self.method._gradient_rows(u, prepared))
         return np.trace(hessians, axis1=2, axis2=3) - along - 2 * slope
 
-    def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
-        return self.method._adjoint(to_unit(x), f)
+    def _adjoint(
+        self,
+        x: np.ndarray,
+        f: np.ndarray,
+        executor: Executor | None,
+        progress: Progress | None,
+    ) -> np.ndarray:
+        return self.method._adjoint(to_unit(x), f, executor, progress)
 
     def _order(self, x: np.ndarray) -> np.ndarray | None:
         return self.method._order(to_unit(x))
 
     def _chunk_rows(self, columns: int) -> int:
         return self.method._chunk_rows(columns)
+
+    def _weight_chunk_rows(self) -> int:
+        return self.method._weight_chunk_rows()
 
 
 def _combined(along: tuple[Weights, ...], tangent: np.ndarray) -> Weights:

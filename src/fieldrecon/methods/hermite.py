@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.chunks import Progress, rows_of
+from fieldrecon._core.chunks import Progress, chunked, report_all, rows_of, split_progress
 from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._numerics.jets import symmetric
 from fieldrecon._numerics.saddle_point import SaddlePoint
@@ -32,7 +33,7 @@ from fieldrecon.methods.solvability import (
     refuse_beyond_memory,
     within_range,
 )
-from fieldrecon.polynomials import Frame, monomial_hessians, require_unisolvent
+from fieldrecon.polynomials import Frame, dimension, monomial_hessians, require_unisolvent
 from fieldrecon.reconstruction import Field, Reconstruction
 
 
@@ -53,6 +54,11 @@ class HermiteRBF(Reconstruction):
         With twice as many continuous derivatives as the functionals have.
     degree : int, optional
         Degree of the polynomial; `kernel.order - 1` by default, and no less. -1 for none.
+    executor : concurrent.futures.Executor, optional
+        Computes the entries of the system in chunks; this machine's threads by default.
+    progress : callable, optional
+        Called as progress(done, total) with numbers of functionals; the factorization is the second
+        half.
 
     Attributes
     ----------
@@ -90,6 +96,9 @@ class HermiteRBF(Reconstruction):
         functionals: Functionals | Sequence[Functionals],
         kernel: Radial,
         degree: int | None = None,
+        *,
+        executor: Executor | None = None,
+        progress: Progress | None = None,
     ) -> None:
         self.functionals = together(functionals)
         self.points = valid.as_points(self.functionals.points)
@@ -103,10 +112,14 @@ class HermiteRBF(Reconstruction):
         require_unisolvent(self.points, p, self.degree, "the data do")
         refuse_beyond_memory(len(self.points))
         self._unit_kernel = as_finite(kernel.in_units(self._frame.scale))
-        a = self._of_kernel(self._local)
+        a = np.empty((len(p), len(p)), order="F")
+        every, entries = np.arange(len(p)), next(split_progress(progress, len(p), 2))
+        for part, rows in chunked(self._rows, every, self._chunk_rows(0), executor, entries):
+            a[part] = rows
         self._largest = abs(within_range(a, f"derivatives of {kernel!r}")).max()
-        self._system = valid.quiet_evaluate(SaddlePoint, np.asfortranarray(a), p)
+        self._system = valid.quiet_evaluate(SaddlePoint, a, p)
         self.interpolates = meets_rough_data(self._system, np.array(self._largest))
+        report_all(progress, len(p))
 
     def field(self, values: ArrayLike) -> HermiteField:
         """Field of these data.
@@ -199,8 +212,12 @@ class HermiteRBF(Reconstruction):
             part = valid.as_values(arguments[name], len(p), name)
             if part.shape != shape:
                 raise ValueError(f"{name} must have the shape {shape}; got {part.shape}")
-        functionals = Functionals(p, *(np.asarray(arguments[name]) for name in parts))
-        return cls(functionals, arguments["kernel"], arguments["degree"])
+        functionals = Functionals(p, *(np.asarray(arguments.pop(name)) for name in parts))
+        return cls(functionals, **arguments)
+
+    def _rows(self, rows: np.ndarray) -> np.ndarray:
+        """Rows (m, n) of the matrix of the kernel."""
+        return self._of_kernel(self._local[rows])
 
     def _of_kernel(self, local: Functionals) -> np.ndarray:
         return valid.quiet_evaluate(local.of_kernel, self._local, self._unit_kernel)
@@ -212,16 +229,14 @@ class HermiteRBF(Reconstruction):
         return weights * size[:, None] / self._size
 
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
-        self._refuse_if_too_large(len(x), 8)
-        return self._weights_of(values_at(x)) if len(x) else np.zeros((0, len(self.points)))
+        return self._weights_of(values_at(x))
 
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
-        d = x.shape[1]
-        self._refuse_if_too_large(len(x), 8 * d)
         self._require_derivatives(1)
-        if not len(x):
-            return (np.zeros((0, len(self.points))),) * d
-        return tuple(self._weights_of(derivatives_at(x, axis)) for axis in np.eye(d))
+        return tuple(self._weights_of(derivatives_at(x, axis)) for axis in np.eye(x.shape[1]))
+
+    def _weight_chunk_rows(self) -> int:
+        return max(super()._weight_chunk_rows(), self._system.least_columns())
 
     def _prepare(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         values = values / self._size[:, None]
@@ -257,16 +272,17 @@ class HermiteRBF(Reconstruction):
         self._require_derivatives(2)
         return self._applied(laplacians_at(x), prepared)
 
-    def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
-        moments = np.zeros((len(self.points), f.shape[1]), dtype=f.dtype)
-        of_basis = np.zeros((self._system._q, f.shape[1]), dtype=f.dtype)
-        rows = self._chunk_rows(0)
-        for start in range(0, len(x), rows):
-            part = slice(start, start + rows)
-            local, _ = values_at(x[part]).in_frame(self._frame)
-            moments += self._of_kernel(local).T @ f[part]
-            of_basis += local.of_monomials(self.degree).T @ f[part]
-        return self._system.solve(moments, of_basis)[0] / self._size[:, None]
+    def _moments(self, x: np.ndarray, f: np.ndarray) -> tuple[slice, np.ndarray]:
+        local, _ = values_at(x).in_frame(self._frame)
+        bases = self._of_kernel(local), local.of_monomials(self.degree)
+        return slice(None), np.concatenate([basis.T @ f for basis in bases])
+
+    def _number_of_moments(self) -> int:
+        return len(self.points) + dimension(self.points.shape[1], self.degree)
+
+    def _of_moments(self, moments: np.ndarray) -> np.ndarray:
+        solution, _ = self._system.solve(*np.split(moments, [len(self.points)]))
+        return solution / self._size[:, None]
 
     def _chunk_rows(self, columns: int) -> int:
         return rows_of(8 * (12 * len(self.points) + columns * self.points.shape[1]))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from concurrent.futures import Executor
 from typing import TypeAlias
 
 import numpy as np
@@ -16,7 +17,7 @@ from scipy import sparse
 from scipy.spatial.distance import cdist
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.chunks import chunked, rows_of
+from fieldrecon._core.chunks import Progress, chunked, rows_of
 from fieldrecon._numerics.saddle_point import SaddlePoint, balancing, entries_of_factor
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.derivatives import laplacian, second_derivatives
@@ -49,12 +50,21 @@ class AllPairs:
     def __init__(self, sites: np.ndarray, kernel: Radial) -> None:
         self.sites, self.kernel = sites, kernel
 
-    def system(self, p: np.ndarray, smoothing: np.ndarray) -> SaddlePoint:
-        """Factored system of the kernel between all sites, smoothed and bordered by P."""
+    def system(
+        self,
+        p: np.ndarray,
+        smoothing: np.ndarray,
+        executor: Executor | None = None,
+        progress: Progress | None = None,
+    ) -> SaddlePoint:
+        """Factored system of the kernel between all sites, smoothed and bordered by P.
+
+        The executor computes the entries, of whose rows progress is reported.
+        """
         refuse_beyond_memory(len(self.sites))
         n = len(self.sites)
         a = np.zeros((n, n), order="F")
-        for part, block in chunked(self._rows, np.arange(n), rows_of(64 * n)):
+        for part, block in chunked(self._rows, np.arange(n), rows_of(64 * n), executor, progress):
             a[part.start :, part] = block.T
         a[np.diag_indices_from(a)] += smoothing
         factors = balancing(np.diagonal(a), a[1:, 0]) if np.ptp(smoothing) else None

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.blas_threads import blas_threads_for
-from fieldrecon._core.chunks import Progress, rows_of
+from fieldrecon._core.chunks import Progress, report_all, rows_of
 from fieldrecon._numerics.orthonormal_polynomials import OrthonormalPolynomials
 from fieldrecon.polynomials import (
     EPS,
@@ -41,6 +43,10 @@ class LeastSquares(Reconstruction):
         Sites.
     degree : int
         Total degree of the polynomial, 0 or more.
+    executor : concurrent.futures.Executor, optional
+        Accepted by all methods; this one has nothing to split.
+    progress : callable, optional
+        Called once, as progress(n, n), when the method is made.
 
     Raises
     ------
@@ -65,7 +71,14 @@ class LeastSquares(Reconstruction):
     0.5
     """
 
-    def __init__(self, points: ArrayLike, degree: int = 1) -> None:
+    def __init__(
+        self,
+        points: ArrayLike,
+        degree: int = 1,
+        *,
+        executor: Executor | None = None,  # noqa: ARG002 - as for all methods
+        progress: Progress | None = None,
+    ) -> None:
         self.points = valid.as_points(points)
         self.degree = valid.as_degree(degree)
         self._frame = Frame.around(self.points)
@@ -79,6 +92,7 @@ class LeastSquares(Reconstruction):
         if self._q.shape[1] < q:
             raise undetermined(y.shape[1], self.degree, self._q.shape[1])
         self.interpolates = len(y) == q
+        report_all(progress, len(y))
 
     @valid.finite("the coefficients")
     def coefficients(self, values: ArrayLike) -> np.ndarray:
@@ -196,16 +210,20 @@ class LeastSquares(Reconstruction):
         return np.moveaxis(bends, (0, 1), (-2, -1)) / self._frame.scale / self._frame.scale
 
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
-        self._refuse_if_too_large(len(x))
         return self._basis.values(self._frame.local(x)) @ self._q.T
 
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
-        self._refuse_if_too_large(len(x), x.shape[1])
         slopes = self._basis.gradients(self._frame.local(x)) / self._frame.scale
         return tuple(slopes @ self._q.T)
 
-    def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
-        return self._q @ (self._basis.values(self._frame.local(x)).T @ f)
+    def _moments(self, x: np.ndarray, f: np.ndarray) -> tuple[slice, np.ndarray]:
+        return slice(None), self._basis.values(self._frame.local(x)).T @ f
+
+    def _number_of_moments(self) -> int:
+        return self._q.shape[1]
+
+    def _of_moments(self, moments: np.ndarray) -> np.ndarray:
+        return self._q @ moments
 
     def _chunk_rows(self, columns: int) -> int:
         q, d = dimension(self.points.shape[1], self.degree), self.points.shape[1]

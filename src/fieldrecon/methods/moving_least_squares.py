@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from concurrent.futures import Executor
 from functools import cached_property, partial
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.chunks import Progress, chunked, rows_of
+from fieldrecon._core.chunks import Progress, chunked, report_all, rows_of
 from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._core.validation import format_point
 from fieldrecon._numerics.jets import upper_pairs
@@ -21,6 +22,7 @@ from fieldrecon._numerics.neighbor_search import (
     Search,
     WithinRadius,
     as_neighbors,
+    by_cells,
     group_rows,
 )
 from fieldrecon._numerics.weighted_least_squares import (
@@ -77,6 +79,10 @@ class MovingLeastSquares(Reconstruction):
         Distances other than the Euclidean one: scales of the coordinates, for which it is
         sqrt(sum_k ((x_k - y_k) / scale_k)^2), or a symmetric positive definite matrix M, for which
         it is sqrt((x - y)^T M (x - y)). Lengths of the weight are such distances.
+    executor : concurrent.futures.Executor, optional
+        Accepted by all methods; this one has nothing to split.
+    progress : callable, optional
+        Called once, as progress(n, n), when the method is made.
 
     Raises
     ------
@@ -107,6 +113,8 @@ class MovingLeastSquares(Reconstruction):
         neighbors: int | None = None,
         *,
         metric: ArrayLike | None = None,
+        executor: Executor | None = None,  # noqa: ARG002 - as for all methods
+        progress: Progress | None = None,
     ) -> None:
         self.points = valid.as_points(points)
         self.degree = valid.as_degree(degree)
@@ -121,11 +129,12 @@ class MovingLeastSquares(Reconstruction):
         # Lengths in a unit of the cloud's size: no square of a distance overflows. Coordinates are
         # not shifted, which would round close points together; differences are local anyway.
         self.unit = frame.scale
-        self.sites = frame.scaled(self.points)
+        self.sites = np.asfortranarray(frame.scaled(self.points))
         self.search = self._searched()
         self.labels = coincidence_labels(self.points)
         self.coincident = int(self.labels.max()) + 1 < len(self.points)
         self.interpolates = self._interpolates()
+        report_all(progress, len(self.points))
 
     def _interpolates(self) -> bool:
         n, d = self.points.shape
@@ -293,29 +302,21 @@ class MovingLeastSquares(Reconstruction):
         data = prepared.take(fit.near.index, axis=0)
         return self._frame.hessian(fit.hessians(data))
 
+    @property
+    def _has_sparse_weights(self) -> bool:
+        return self.search.local
+
     def _weight_rows(self, x: np.ndarray) -> Weights:
-        if not self.search.local:
-            self._refuse_if_too_large(len(x))
-        parts = []
-        for fit in self._fits(x):
-            parts.append(self._matrix_of(fit.near, fit.coefficient_weights(1)[:, 0]))
-        return self._stacked(parts)
+        fit = LocalFit(self, x)
+        return self._matrix_of(fit.near, fit.coefficient_weights(1)[:, 0])
 
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[Weights, ...]:
-        d = x.shape[1]
-        if not self.search.local:
-            self._refuse_if_too_large(len(x), d)
-        parts: list[list[Weights]] = [[] for _ in range(d)]
-        for fit in self._fits(x):
-            g = self._frame.gradient(fit.gradient_weights())
-            for k in range(d):
-                parts[k].append(self._matrix_of(fit.near, g[..., k]))
-        return tuple(self._stacked(p) for p in parts)
+        fit = LocalFit(self, x)
+        gradients = self._frame.gradient(fit.gradient_weights())
+        return tuple(self._matrix_of(fit.near, g) for g in np.moveaxis(gradients, -1, 0))
 
-    def _fits(self, x: np.ndarray):  # type: ignore[no-untyped-def]
-        rows = self._chunk_rows(1)
-        for start in range(0, max(len(x), 1), rows):
-            yield LocalFit(self, x[start : start + rows])
+    def _weight_chunk_rows(self) -> int:
+        return self._chunk_rows(1)
 
     def _matrix_of(self, near: Neighborhood, a: np.ndarray) -> Weights:
         if not self.search.local:
@@ -327,15 +328,16 @@ class MovingLeastSquares(Reconstruction):
         matrix.sort_indices()
         return matrix
 
-    def _stacked(self, parts: list[Weights]) -> Weights:
-        if self.search.local:
-            return sparse.csr_array(sparse.vstack(parts, format="csr"))
-        return np.concatenate(parts)
+    def _order(self, x: np.ndarray) -> np.ndarray | None:
+        return by_cells(x) if self.search.local else None
 
     def _chunk_rows(self, columns: int) -> int:
         q = dimension(self.points.shape[1], self.degree)
         k = self.search.typical_size()
-        return rows_of(8 * (k * (2 * q + 4 * self.points.shape[1] + columns + 6) + 2 * q * q))
+        numbers = k * (2 * q + 4 * self.points.shape[1] + columns + 6) + 2 * q * q
+        # Half a chunk of memory stays with the process. More is given back to the system after each
+        # chunk, and taken again for the next, which takes as long as the fits.
+        return rows_of(2 * 8 * numbers)
 
 
 class LocalFit:
@@ -355,10 +357,12 @@ class LocalFit:
         distance = np.where(there, near.distance, 0.0)
         size = distance.max(axis=1, initial=0.0) if near.reach is None else near.reach
         self.size = power_of_two_above(size)[:, None]
-        offset = method.sites.take(near.index, axis=0)  # in half the time of sites[index]
-        offset -= local[:, None, :]
-        offset *= (there / self.size)[..., None]
-        self.offset = offset
+        # Coordinates lie apart in memory: operations run over all neighbours of one coordinate,
+        # where they would run over the few coordinates of one neighbour.
+        offset = method.sites.T.take(near.index, axis=1)
+        offset -= local.T[..., None]
+        offset *= there / self.size
+        self.offset = np.moveaxis(offset, 0, -1)
         self.basis = monomials(self.offset, method.degree)
         self.scaled_weight, self.r = self._scaled(near, distance)
         self.weight = relative_weights(self.scaled_weight, self.r, there)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from scipy import sparse
 from scipy.linalg import cho_solve_banded, cholesky_banded
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.chunks import Progress, rows_of
+from fieldrecon._core.chunks import Progress, report_all, rows_of
 from fieldrecon.methods.solvability import refuse_duplicates
 from fieldrecon.methods.spline_bases import radial_form
 from fieldrecon.polynomials import Frame, powers_of_scale, undetermined
@@ -33,6 +34,10 @@ class NaturalCubicSpline(Reconstruction):
     ----------
     points : (n,) array_like
         Sites in any order, distinct, two or more.
+    executor : concurrent.futures.Executor, optional
+        Accepted by all methods; this one has nothing to split.
+    progress : callable, optional
+        Called once, as progress(n, n), when the method is made.
 
     Raises
     ------
@@ -58,7 +63,13 @@ class NaturalCubicSpline(Reconstruction):
     degree = 1
     interpolates = True
 
-    def __init__(self, points: ArrayLike) -> None:
+    def __init__(
+        self,
+        points: ArrayLike,
+        *,
+        executor: Executor | None = None,  # noqa: ARG002 - as for all methods
+        progress: Progress | None = None,
+    ) -> None:
         self.points = valid.as_line(points)
         if len(self.points) < 2:
             raise undetermined(1, self.degree, 1)
@@ -68,6 +79,7 @@ class NaturalCubicSpline(Reconstruction):
         self._frame = Frame.around(self.points)
         self._h = np.diff(self._knots / self._frame.scale)
         self._factor = cholesky_banded(_moment_matrix(self._h), lower=True)
+        report_all(progress, len(self.points))
 
     def field(self, values: ArrayLike) -> NaturalSpline:
         """Spline of these data.
@@ -142,7 +154,7 @@ class NaturalCubicSpline(Reconstruction):
     def coefficients(self, values: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Coefficients of s(x) = sum_j alpha_j |x - x_j|^3 + beta_0 + beta_1 x, by `radial_form`.
 
-        They are those of `RBF(points[:, None], polyharmonic(3))`, found in O(n).
+        They equal the coefficients of `RBF(points[:, None], polyharmonic(3))`, found in O(n).
 
         Parameters
         ----------
@@ -217,8 +229,8 @@ class NaturalCubicSpline(Reconstruction):
         return []
 
     @classmethod
-    def _made(cls, points: np.ndarray, **arguments: Any) -> Reconstruction:  # noqa: ARG003
-        return cls(points[:, 0])
+    def _made(cls, points: np.ndarray, **arguments: Any) -> Reconstruction:
+        return cls(points[:, 0], **arguments)
 
     def _queries(self, x: ArrayLike) -> np.ndarray:
         return super()._queries(np.asarray(valid.unmasked(x, "x"))[..., None])
@@ -248,19 +260,27 @@ class NaturalCubicSpline(Reconstruction):
         return (bend / self._frame.scale / self._frame.scale)[..., None, None]
 
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
-        self._refuse_if_too_large(max(len(x), len(self.points)))
-        return self._value_rows(x, self._prepare(np.eye(len(self.points))))
+        return self._rows_of(*self._value_matrices(x))
 
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
-        self._refuse_if_too_large(max(len(x), len(self.points)))
-        return (self._gradient_rows(x, self._prepare(np.eye(len(self.points))))[..., 0],)
+        return (self._rows_of(*self._slope_matrices(x)),)
 
-    def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
-        of_values, of_moments = self._value_matrices(x)
-        bends = self._solve(of_moments.T @ f)[1:-1]
-        total = of_values.T @ f + _difference_transposed(
-            _difference_transposed(bends) / self._h[:, None]
-        )
+    def _rows_of(self, of_values: sparse.csr_array, of_moments: sparse.csr_array) -> np.ndarray:
+        """Weights (m, n) of the data, from those of data and moments."""
+        weights = sparse.hstack([of_values, of_moments]).toarray()
+        return self._of_moments(weights.T).T
+
+    def _moments(self, x: np.ndarray, f: np.ndarray) -> tuple[slice, np.ndarray]:
+        return slice(None), np.concatenate([h.T @ f for h in self._value_matrices(x)])
+
+    def _number_of_moments(self) -> int:
+        return 2 * len(self.points)
+
+    def _of_moments(self, moments: np.ndarray) -> np.ndarray:
+        """A^T f + B^T R^-1 C^T f, from A^T f and C^T f, with the moments R^-1 B of the data."""
+        of_values, of_moments = np.split(moments, 2)
+        bends = self._solve(of_moments)[1:-1]
+        total = of_values + _difference_transposed(_difference_transposed(bends) / self._h[:, None])
         result = np.empty_like(total)
         result[self._sorting] = total
         return result

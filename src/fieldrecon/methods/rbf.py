@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from concurrent.futures import Executor
 from functools import cached_property
 
 import numpy as np
@@ -12,10 +13,10 @@ from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.chunks import Progress, rows_of
+from fieldrecon._core.chunks import Progress, report_all, rows_of, split_progress
 from fieldrecon._numerics.jets import symmetric, upper_pairs
 from fieldrecon.kernels.base import Radial
-from fieldrecon.methods.kernel_matrices import Block, dense, pairs_of, tiles
+from fieldrecon.methods.kernel_matrices import Block, dense, pairs_of
 from fieldrecon.methods.least_squares import LeastSquares, monomial_matrix
 from fieldrecon.methods.metric import as_metric, frame_of
 from fieldrecon.methods.solvability import (
@@ -65,6 +66,10 @@ class RBF(Reconstruction):
         Distances other than the Euclidean one: scales of the coordinates, for which it is
         sqrt(sum_k ((x_k - y_k) / scale_k)^2), or a symmetric positive definite matrix M, for which
         it is sqrt((x - y)^T M (x - y)). Lengths of the kernel are such distances.
+    executor : concurrent.futures.Executor, optional
+        Computes the entries of the system in chunks; this machine's threads by default.
+    progress : callable, optional
+        Called as progress(done, total) with numbers of sites; the factorization is the second half.
 
     Attributes
     ----------
@@ -119,6 +124,8 @@ class RBF(Reconstruction):
         smoothing: ArrayLike = 0.0,
         *,
         metric: ArrayLike | None = None,
+        executor: Executor | None = None,
+        progress: Progress | None = None,
     ) -> None:
         self.points = valid.as_points(points)
         self.kernel = as_kernel(kernel, self.points.shape[1])
@@ -133,9 +140,11 @@ class RBF(Reconstruction):
         refuse_duplicates(sites, smoothing=self.smoothing)
         self._pairs = pairs_of(sites, as_finite(kernel.in_units(self._frame.scale)))
         each = unit_smoothing(self.smoothing, len(sites), kernel, self._frame.scale)
-        self._system = self._pairs.system(p, each)
+        entries = next(split_progress(progress, len(sites), 2))
+        self._system = self._pairs.system(p, each, executor, entries)
         exact = not np.any(self.smoothing)
         self.interpolates = exact and meets_rough_data(self._system, self._phi())
+        report_all(progress, len(sites))
 
     @valid.finite("the entries of H_RBF")
     def matrix(self) -> np.ndarray:
@@ -278,35 +287,41 @@ class RBF(Reconstruction):
         return self._pairs.gradients(self._frame.scaled(x))
 
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
-        self._refuse_if_too_large(len(x))
-        rows = np.empty((len(x), len(self.points)))
-        for some in tiles(len(x)):
-            right = np.empty((len(self.points), len(x[some])))
-            for part, values in self._pairs.values(self._frame.scaled(x[some])):
-                right[part] = dense(values).T
-            rows[some] = self._system.solve(right, self._basis(x[some]).T)[0].T
-        return rows
+        right = np.empty((len(self.points), len(x)))
+        for part, values in self._pairs.values(self._frame.scaled(x)):
+            right[part] = dense(values).T
+        return self._solved_rows(right, self._basis(x))
 
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
-        d = x.shape[1]
-        self._refuse_if_too_large(len(x), 3 * d)
-        rows = np.empty((d, len(x), len(self.points)))
-        for some in tiles(len(x)):
-            right = np.empty((d, len(self.points), len(x[some])))
-            for part, slopes in self._gradients(x[some]):
-                for k, slope in enumerate(slopes):
-                    right[k, part] = dense(slope).T
-            of_basis = monomial_gradients(self._frame.local(x[some]), self.degree)
-            for k in range(d):
-                rows[k, some] = self._system.solve(right[k], of_basis[..., k].T)[0].T
-        return self._frame.partials(rows)
+        right = np.empty((x.shape[1], len(self.points), len(x)))
+        for part, slopes in self._gradients(x):
+            for of_axis, slope in zip(right, slopes, strict=True):
+                of_axis[part] = dense(slope).T
+        of_basis = np.moveaxis(monomial_gradients(self._frame.local(x), self.degree), -1, 0)
+        return self._frame.partials(
+            tuple(self._solved_rows(f, g) for f, g in zip(right, of_basis, strict=True))
+        )
 
-    def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
-        moments = np.zeros((len(self.points), f.shape[1]), dtype=f.dtype)
-        for some in tiles(len(x)):
-            for part, values in self._pairs.values(self._frame.scaled(x[some])):
-                moments[part] += values.T @ f[some]
-        return self._system.solve(moments, self._basis(x).T @ f)[0]
+    def _solved_rows(self, right: np.ndarray, of_basis: np.ndarray) -> np.ndarray:
+        """Weights (m, n), contiguous for each query, from kernels (n, m) and basis (m, q)."""
+        return np.ascontiguousarray(self._system.solve(right, of_basis.T)[0].T)
+
+    def _weight_chunk_rows(self) -> int:
+        return max(super()._weight_chunk_rows(), self._system.least_columns())
+
+    def _moments(self, x: np.ndarray, f: np.ndarray) -> tuple[slice, np.ndarray]:
+        moments = np.empty((self._number_of_moments(), f.shape[1]), dtype=f.dtype)
+        n = len(self.points)
+        for part, values in self._pairs.values(self._frame.scaled(x)):
+            moments[:n][part] = values.T @ f
+        moments[n:] = self._basis(x).T @ f
+        return slice(None), moments
+
+    def _number_of_moments(self) -> int:
+        return len(self.points) + dimension(self.points.shape[1], self.degree)
+
+    def _of_moments(self, moments: np.ndarray) -> np.ndarray:
+        return self._system.solve(*np.split(moments, [len(self.points)]))[0]
 
     def _chunk_rows(self, columns: int) -> int:
         q = dimension(self.points.shape[1], self.degree)

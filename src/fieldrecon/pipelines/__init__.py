@@ -1,26 +1,24 @@
 """The commands as functions: samples to a field, a scan to a surface, a mesh to an audit.
 
-Each function takes a request and returns a result, both frozen dataclasses. The commands of
-``fieldrecon.cli`` make the request of their options, and print and write the result.
+Each function takes data in a file or in memory and returns a result, which draws itself, writes
+files and makes a page. The commands of ``fieldrecon.cli`` call these functions with their options,
+and print and write the result.
 """
 
-from fieldrecon.pipelines.audit import AuditRequest, AuditResult, audit_file
 from fieldrecon.pipelines.block_averages import block_means
-from fieldrecon.pipelines.reconstruct import SurveyRequest, SurveyResult, reconstruct_survey
-from fieldrecon.pipelines.samples import Samples, read_samples
-from fieldrecon.pipelines.surface import ScanRequest, ScanResult, reconstruct_scan
+from fieldrecon.pipelines.mesh_audits import AuditResult, audit
+from fieldrecon.pipelines.samples import Samples
+from fieldrecon.pipelines.scans import ScanResult, surface
+from fieldrecon.pipelines.surveys import Prediction, SurveyResult, reconstruct
 
 __all__ = [
-    "AuditRequest",
     "AuditResult",
+    "Prediction",
     "Samples",
-    "ScanRequest",
     "ScanResult",
-    "SurveyRequest",
     "SurveyResult",
-    "audit_file",
+    "audit",
     "block_means",
-    "read_samples",
-    "reconstruct_scan",
-    "reconstruct_survey",
+    "reconstruct",
+    "surface",
 ]

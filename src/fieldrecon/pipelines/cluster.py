@@ -5,6 +5,7 @@ Dask is an extra, `fieldrecon[dask]`.
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -23,7 +24,7 @@ class Cluster(Executor):
     """The workers of a `dask.distributed` client, as an executor.
 
     The sites are sent to each worker once, then chunks of patches or of queries; the results are
-    returned in order. If a worker dies, another one repeats its tasks. The results are identical to
+    returned in order. If a worker dies, its tasks are repeated. The results are identical to
     those on one machine, since the chunks do not depend on the workers.
 
     Parameters
@@ -42,8 +43,16 @@ class Cluster(Executor):
 
     @contextmanager
     def shared_work(self, work: Callable[[np.ndarray], Any]) -> Iterator[Any]:
-        """Send the work to every worker, and release it when all chunks are done."""
-        held = self._client.scatter(work, broadcast=True, hash=False)
+        """Send the work to the workers, and release it when all chunks are done.
+
+        It is the result of a task, which Dask repeats if the worker that has it dies. Scattered
+        data would be lost: Dask keeps one copy of them, even if they were sent to every worker.
+        """
+        import dask
+        from distributed.protocol.pickle import dumps  # functions of a notebook too
+
+        with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1PiB"}):
+            held = self._client.submit(_unpacked, dumps(work), pure=False)
         try:
             yield held
         finally:
@@ -87,6 +96,10 @@ def evaluated(field: Field, x: dask.array.Array) -> dask.array.Array:
         for part, rows in zip(x.rechunk({1: -1}).to_delayed()[:, 0], x.chunks[0], strict=True)
     ]
     return dask.array.concatenate(blocks)
+
+
+def _unpacked(pickled: bytes) -> Any:
+    return pickle.loads(pickled)
 
 
 def _call(work: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:

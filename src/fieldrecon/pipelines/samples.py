@@ -1,17 +1,19 @@
-"""Samples of a field from a table with up to millions of rows; columns are chosen by name."""
+"""Samples of a field from a table, in a file or in memory; columns are chosen by name."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from fieldrecon._core.chunks import Progress
 from fieldrecon._core.duplicates import coincidence_labels
-from fieldrecon.io.tables import BadRow, ColumnSpec, bare_name, chosen_columns, read_table
+from fieldrecon.io.crs import grid_mapping
+from fieldrecon.io.frames import Frame, Source, bad_row_message, numbered, read_source
+from fieldrecon.io.tables import BadRow, ColumnSpec, bare_name, chosen_columns
 from fieldrecon.methods.globe import principal
 
 _IN_METRES = ("east", "north")
@@ -29,6 +31,8 @@ class Samples:
         Names of the columns of the coordinates and of the value.
     points : ndarray of shape (n, d)
     values : ndarray of shape (n,)
+    sigma : ndarray of shape (n,), optional
+        Standard deviation of the noise of each value.
     lonlat : bool
         Whether the coordinates are degrees of longitude and latitude.
     merged : int
@@ -41,6 +45,12 @@ class Samples:
         Skipped rows.
     unread : tuple of str
         Columns that were not read.
+    numbered : str
+        What the numbers of the skipped rows are: "line" of a file, or "row" in memory, from 0.
+    units : tuple of str
+        Units of the coordinates and of the value, empty where unknown; none if all are unknown.
+    crs : mapping, optional
+        Attributes of the grid mapping of the coordinates.
     """
 
     names: tuple[str, ...]
@@ -52,6 +62,10 @@ class Samples:
     spread: float = 0.0
     bad: tuple[BadRow, ...] = ()
     unread: tuple[str, ...] = ()
+    numbered: str = "line"
+    units: tuple[str, ...] = ()
+    crs: Mapping[str, Any] | None = None
+    sigma: np.ndarray | None = None
 
     @property
     def warnings(self) -> list[str]:
@@ -62,7 +76,7 @@ class Samples:
         if self.bad:
             shown = "; ".join(f"{row.line}: {row.reason}" for row in self.bad[:_SHOWN])
             more = f"; and {len(self.bad) - _SHOWN} more" if len(self.bad) > _SHOWN else ""
-            yield f"{_count(len(self.bad), 'row')} skipped, by line: {shown}{more}."
+            yield f"{_count(len(self.bad), 'row')} skipped, by {self.numbered}: {shown}{more}."
         if self.merged:
             yield (
                 f"{_count(self.merged, 'row')} repeat{'s' * (self.merged == 1)} a point; its value "
@@ -83,46 +97,56 @@ class Samples:
         elif any(name.startswith(("lon", "lat")) for name in bare):
             yield (
                 f"The columns {self.names[0]} and {self.names[1]} look like degrees but are taken "
-                "as lengths of one unit: add --lonlat, or project them."
+                "as lengths of one unit: add the option lonlat, or project them."
             )
         elif (
             (sizes <= (180, 90)).all()
             and (high - low).max() > 5
             and not (any(name.startswith(_IN_METRES) for name in bare))
         ):
-            yield "If the coordinates, all within ±180 and ±90, are degrees, add --lonlat."
+            yield (
+                "If the coordinates, all within ±180 and ±90, are degrees, add the option lonlat."
+            )
         if unread := [name for name in self.unread if bare_name(name) == "z"]:
             yield (
                 f"The column {unread[0]} was not read: the points lie in a plane. "
-                f"--z {unread[0]} makes them points in space."
+                f"The option z, with {unread[0]}, makes them points in space."
             )
 
 
 def read_samples(
-    path: Path,
+    table: Source,
     x: str | None = None,
     y: str | None = None,
     value: str | None = None,
     z: str | None = None,
-    lonlat: bool = False,
+    lonlat: bool | None = None,
     strict: bool = False,
+    crs: Any = None,
+    sigma: str | None = None,
     *,
     progress: Progress | None = None,
 ) -> Samples:
-    """Read samples from a table: text, NPZ or Parquet, see `fieldrecon.io.tables.read_table`.
+    """Read samples from a table: text, NPZ or Parquet, or in memory.
 
     Parameters
     ----------
-    path : Path
+    table : Path or Frame
+        See `fieldrecon.io.tables.read_table` and `fieldrecon.io.frames.as_source`.
     x, y, value : str, optional
         Names of the columns. If they are not given, columns with usual names are taken; the value
         may also be the only column that remains.
     z : str, optional
         Name of the third coordinate, of points in space.
-    lonlat : bool
-        Whether x and y are degrees; longitudes are converted to [-180, 180).
+    lonlat : bool, optional
+        Whether x and y are degrees; longitudes are converted to [-180, 180). By default they are
+        if the units of the table are ``degrees_east`` and ``degrees_north``.
     strict : bool
         Refuse a table with a bad row, instead of skipping the row.
+    sigma : str, optional
+        Name of the column of the standard deviations of the values.
+    crs : object, optional
+        As for `fieldrecon.io.crs.grid_mapping`; by default that of the table, if it has one.
     progress : callable, optional
         Called as progress(done, total), in bytes or rows.
 
@@ -134,39 +158,59 @@ def read_samples(
         If the table is Parquet and pyarrow is not installed.
     """
     if lonlat and z is not None:
-        raise ValueError("--lonlat is for points on the globe, --z for points in space: not both")
+        raise ValueError("lonlat is for points on the globe, z for points in space: not both")
+    if value is None and isinstance(table, Frame):
+        value = table.only_value
     names = {"x": x, "y": y} | ({} if z is None else {"z": z}) | {"value": value}
+    names |= {} if sigma is None else {"sigma": sigma}
     columns: list[str] = []
+    on_globe = bool(lonlat)
 
     def choose(found: list[str]) -> list[int]:
         columns[:] = found
-        return chosen_columns(path, found, names)
+        return chosen_columns(table, found, names)
 
-    table = read_table(
-        path, ColumnSpec(choose, (360.0, 90.0, np.inf) if lonlat else None), progress
-    )
-    if table.bad and (strict or not len(table.numbers)):
-        row = table.bad[0]
-        raise ValueError(f"{path}, line {row.line}: {row.reason}")
-    if lonlat and len(table.bad) > len(table.numbers):
-        row = table.bad[0]
+    units = _units(table, choose) if isinstance(table, Frame) else ()
+    if lonlat is None and z is None:
+        on_globe = units[:2] == ("degrees_east", "degrees_north")
+    limits = (360.0, 90.0, *(np.inf,) * (len(names) - 2)) if on_globe else None
+    found = read_source(table, ColumnSpec(choose, limits), progress)
+    d = len(names) - 1 - (sigma is not None)
+    deviations = found.numbers[:, -1] if sigma is not None else None
+    if deviations is not None and (deviations < 0).any():
+        raise ValueError(f"{sigma} must not be negative: it is a standard deviation")
+    if found.bad and (strict or not len(found.numbers)):
+        raise ValueError(bad_row_message(table, found.bad[0]))
+    if on_globe and len(found.bad) > len(found.numbers):
+        row = found.bad[0]
         raise ValueError(
-            f"most rows of {path} are not degrees of longitude and latitude, such as line "
-            f"{row.line}: {row.reason}; are they lengths, or the other way round?"
+            f"most rows of {table} are not degrees of longitude and latitude, such as "
+            f"{numbered(table)} {row.line}: {row.reason}; are they lengths, or the other way round?"
         )
-    points = table.numbers[:, :-1]
-    coordinates = np.round(principal(points), _ROUNDED) if lonlat else points
+    points = found.numbers[:, :d]
+    coordinates = np.round(principal(points), _ROUNDED) if on_globe else points
+    known = table.crs if crs is None and isinstance(table, Frame) else crs
     return _merged(
         partial(
             Samples,
-            tuple(table.names),
-            lonlat=lonlat,
-            bad=tuple(table.bad),
-            unread=tuple(name for name in columns if name not in table.names),
+            tuple(found.names[: d + 1]),
+            lonlat=on_globe,
+            bad=tuple(found.bad),
+            unread=tuple(name for name in columns if name not in found.names),
+            numbered=numbered(table),
+            units=units[: d + 1],
+            crs=grid_mapping(known),
         ),
         coordinates,
-        table.numbers[:, -1],
+        found.numbers[:, d],
+        deviations,
     )
+
+
+def _units(table: Frame, choose: Callable[[list[str]], list[int]]) -> tuple[str, ...]:
+    """Units of the chosen columns; none if all are unknown."""
+    units = tuple(table.units.get(table.names[k], "") for k in choose(table.names))
+    return units if any(units) else ()
 
 
 def refuse_flat(samples: Samples) -> None:
@@ -199,22 +243,33 @@ def _count(count: int, what: str) -> str:
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
-def _merged(samples: partial[Samples], points: np.ndarray, values: np.ndarray) -> Samples:
-    """Merge repeated points, with the mean of their values, in the order of the file."""
+def _merged(
+    samples: partial[Samples],
+    points: np.ndarray,
+    values: np.ndarray,
+    sigma: np.ndarray | None = None,
+) -> Samples:
+    """Merge repeated points, with the mean of their values, in the order of the file.
+
+    The standard deviation of a mean of m values is (1/m) sqrt(sum_i sigma_i^2).
+    """
     label = coincidence_labels(points)
     order = np.argsort(label, kind="stable")
     start = np.searchsorted(label[order], np.arange(label.max() + 1))
     if len(start) == len(points):
-        return samples(points=points, values=values)
+        return samples(points=points, values=values, sigma=sigma)
     own, count = values[order], np.diff(np.append(start, len(points)))
     with np.errstate(over="ignore"):  # the difference of two large values
         spread = np.maximum.reduceat(own, start) - np.minimum.reduceat(own, start)
     # divided before they are added, so that the sum of large values does not overflow
     means = np.add.reduceat(own / np.repeat(count, count), start)
+    if sigma is not None:
+        sigma = np.sqrt(np.add.reduceat(sigma[order] ** 2, start)) / count
     return samples(
         points=points[order[start]],
         values=np.where(spread > 0, means, own[start]),
         merged=len(points) - len(start),
         conflicts=int((spread > 0).sum()),
         spread=float(spread.max()),
+        sigma=sigma,
     )

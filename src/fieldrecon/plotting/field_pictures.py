@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,15 +12,18 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
 from fieldrecon.io.targets import Targets, TargetValues
-from fieldrecon.pipelines.reconstruct import SurveyResult
 from fieldrecon.plotting.style import figure
 from fieldrecon.selection.extrapolation import AMONG, OUTSIDE
+
+if TYPE_CHECKING:
+    from fieldrecon.pipelines.surveys import SurveyResult
 
 _SIDE = 400
 """Largest number of nodes along each side that are drawn: as many as a screen can show."""
 _SAMPLES = 5000
 """Largest number of samples that are drawn; more would hide the field."""
 _TARGETS = 20_000
+_UNEVEN = 1e-3  # difference of the steps of an axis, as a fraction of the largest
 _WIDTH, _HEIGHT = 4.2, 3.3
 
 
@@ -28,7 +31,7 @@ def plot(survey: SurveyResult) -> Figure:
     """Draw the field and the samples: pale where extrapolated, hatched outside the hull."""
     result = _drawn(survey.result)
     among = result.values[result.extrapolated == AMONG]
-    return _picture(survey, result, result.values, _colors(among), result.names[-1])
+    return _picture(survey, result, result.values, _colors(among), result.labels[-1])
 
 
 def plot_error(survey: SurveyResult) -> Figure:
@@ -39,7 +42,7 @@ def plot_error(survey: SurveyResult) -> Figure:
     if among.size and 0 < among.min() < among.max() / 30:
         low = max(among.min(), among.max() / 1e4)
         colors = {"norm": LogNorm(low, among.max())}
-    return _picture(survey, result, result.error, colors, f"error of {result.names[-1]}")
+    return _picture(survey, result, result.error, colors, f"error of {result.labels[-1]}")
 
 
 def _colors(among: np.ndarray) -> dict[str, Any]:
@@ -49,14 +52,17 @@ def _colors(among: np.ndarray) -> dict[str, Any]:
 
 
 def _drawn(result: TargetValues) -> TargetValues:
-    """Return the part that is drawn: the middle slice of a grid in space, and not every node."""
+    """Return the part that is drawn: the middle slice of a grid in space, and not every node.
+
+    The axes of a grid increase. A grid whose nodes are not equally spaced is drawn as points.
+    """
     targets = result.targets
     data = [result.values, result.error, result.extrapolated]
-    if targets.axes:
+    if targets.axes and all(map(_is_regular, targets.axes[:2])):
         data = [array.reshape(targets.shape) for array in data]
         if len(targets.axes) == 3:
             data = [array[len(array) // 2] for array in data]
-        rows, columns = (slice(None, None, -(-n // _SIDE)) for n in data[0].shape)
+        columns, rows = (_shown_nodes(axis) for axis in targets.axes[:2])
         data = [array[rows, columns].ravel() for array in data]
         x, y = targets.axes[0][columns], targets.axes[1][rows]
         drawn = Targets(np.empty((0, 2)), (x, y))
@@ -65,9 +71,20 @@ def _drawn(result: TargetValues) -> TargetValues:
             None, None, -(-len(targets.points) // _TARGETS) if targets.cells is None else 1
         )
         data = [array[some] for array in data]
-        drawn = replace(targets, points=targets.points[some])
+        drawn = replace(targets, points=targets.points[some], axes=())
     values, error, flags = data
     return replace(result, targets=drawn, values=values, error=error, extrapolated=flags)
+
+
+def _is_regular(axis: np.ndarray) -> bool:
+    steps = np.diff(axis)
+    return len(steps) > 0 and bool(np.ptp(steps) <= _UNEVEN * abs(steps).max())
+
+
+def _shown_nodes(axis: np.ndarray) -> slice:
+    """Nodes of an axis in increasing order, at most as many as are drawn."""
+    step = -(-len(axis) // _SIDE)
+    return slice(None, None, step if axis[0] <= axis[-1] else -step)
 
 
 def _picture(
@@ -125,7 +142,7 @@ def _draw_samples(axes: Axes, survey: SurveyResult) -> None:
 
 
 def _set_axes(axes: Axes, result: TargetValues) -> None:
-    targets, names = result.targets, result.names
+    targets, names = result.targets, result.labels
     axes.set(xlabel=names[0], ylabel=names[1])
     if len(targets.axes) == 3:
         middle = targets.axes[2][len(targets.axes[2]) // 2]

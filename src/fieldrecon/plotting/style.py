@@ -10,6 +10,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
@@ -145,6 +146,12 @@ class StyledFigure(Figure):
         """Draw in the style of the report."""
         with style():
             super().draw(renderer)
+
+    def _repr_png_(self) -> bytes:
+        """Show the figure in a notebook, also before Matplotlib is set up there."""
+        buffer = io.BytesIO()
+        self.savefig(buffer, format="png")
+        return buffer.getvalue()
 
     def savefig(self, fname: Any, **options: Any) -> None:
         """Save in the style of the report, without a date; `options` as in Matplotlib."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.colors import to_rgb
@@ -11,9 +12,11 @@ from matplotlib.patches import Patch
 from scipy.spatial import cKDTree
 
 from fieldrecon._core.chunks import Progress
-from fieldrecon.pipelines.surface import GAP, ScanResult
 from fieldrecon.plotting.style import FULL_WIDTH, figure
 from fieldrecon.solids.ray_casting import OUTSIDE, View, ray_traced
+
+if TYPE_CHECKING:
+    from fieldrecon.pipelines.scans import ScanResult
 
 _PIXELS = 340
 _MARGIN = 0.5
@@ -30,7 +33,7 @@ def plot(scan: ScanResult, up: Sequence[float], *, progress: Progress | None = N
     box = [mesh.points.min(axis=0) - margin, mesh.points.max(axis=0) + margin]
 
     def color(points: np.ndarray) -> np.ndarray:
-        far = tree.query(points)[0] > GAP * scan.body.spacing
+        far = tree.query(points)[0] > scan.far
         return np.where(far[:, None], to_rgb(_INVENTED), OUTSIDE)
 
     images = {}

@@ -1,31 +1,49 @@
-"""Cross-validation: the errors of models at samples that were held out.
+"""Cross-validation: the errors of models at samples that are held out.
 
-Up to some thousands of samples, each is left out in turn. With more, a model is evaluated at
-samples in the midst of blocks of neighbours, drawn at random. A block has the density and the noise
-of the whole cloud, and suffices for any method whose value depends only on the samples near by. A
-polynomial for the whole domain is fitted to the blocks and to others drawn at random from all.
+The held-out samples are as far from the fitted ones as the queries are from all samples, see
+`fieldrecon.selection.distance_matching`. All models are compared on the first folds, with their
+smoothing chosen there; those near the best are then compared on all folds. Of many samples, only
+those in some windows are used, each the neighbourhood of a query. This suffices for any method
+whose value depends only on the samples near by.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from fieldrecon._core import validation as valid
-from fieldrecon.selection.leaving_one_out import leave_one_out
-from fieldrecon.selection.models import Maker, Model
+from fieldrecon._core.chunks import Progress
+from fieldrecon.selection.distance_matching import (
+    Fold,
+    distance_matched_folds,
+    held_out_distances,
+)
+from fieldrecon.selection.models import Maker, Model, with_variances
 
 NO_FIELD = (ValueError, np.linalg.LinAlgError, MemoryError, OverflowError)
-FEW = 8000
-"""Up to this number of samples, each one is left out."""
-EVERYWHERE = 40_000
-"""Of more samples, the number drawn from all, to which a polynomial is fitted."""
-BLOCKS, BLOCK, MIDST = 24, 1000, 250
-"""Number of blocks, samples of each, and how many of these, the most central, are held out."""
+FEW = 400
+"""Up to this number of samples there are twenty folds, since few samples have room in each."""
+MANY = 20_000
+"""Above this number of samples, those in windows are used, in ten folds: few gaps fit in one."""
+WINDOWS, WINDOW = 10, 1500
+"""Number of windows, and samples of each."""
+MAX_HELD_OUT = 1000
+"""Largest number of held-out samples in all folds together."""
+ENOUGH = 60
+"""Number of held-out samples at which all models are compared, if there are as many."""
+DOMINATED = 1.2
+"""A model with more than this times the least error there is not compared on the other folds."""
+NEARLY = 1.02
+"""Of several paths of variants, the first is taken whose error is at most this times the least."""
+FINALISTS = 3
+"""Largest number of models that are compared on all folds."""
 
 Result = TypeVar("Result")
 
@@ -40,66 +58,127 @@ class ModelScore:
     maker : callable, optional
         The variant of least error; takes points to the method on these.
     residuals : ndarray of shape (m,), optional
-        At each held-out sample, its value less the field of the others there.
+        At each held-out sample, its value less the field of the fitted ones there.
     reason : str
         Why the model was not tried or has no field, otherwise empty.
+    weights : ndarray of shape (m,), optional
+        How much each held-out sample counts in the root mean square; by default all equally.
     """
 
     model: Model
     maker: Maker | None
     residuals: np.ndarray | None
     reason: str = ""
+    weights: np.ndarray | None = None
+
+    def __repr__(self) -> str:
+        return f"<ModelScore {self.model.name}: {self.reason or self.errors}>"
+
+    @property
+    def errors(self) -> str:
+        """Its errors in words."""
+        return f"rms error {self.rms:.4g} at {self.n_held_out} held-out samples"
+
+    @property
+    def n_held_out(self) -> int:
+        """Number of residuals."""
+        return 0 if self.residuals is None else len(self.residuals)
 
     @property
     def rms(self) -> float:
         """Root mean square of the residuals, in the unit of the values; infinite without any."""
-        return np.inf if self.residuals is None else float(np.sqrt(np.mean(self.residuals**2)))
+        if self.residuals is None:
+            return np.inf
+        return float(np.sqrt(np.average(self.residuals**2, weights=self.weights)))
 
     @property
     def largest(self) -> float:
         """Largest absolute residual; infinite without any."""
         return np.inf if self.residuals is None else float(np.abs(self.residuals).max())
 
+    @property
+    def rank(self) -> tuple[int, float]:
+        """Key by which scores are sorted: those at more held-out samples first, then by rms."""
+        return -self.n_held_out, self.rms
+
 
 @dataclass(frozen=True, eq=False)
 class CrossValidator:
-    """Samples, and the blocks of them in whose midst samples are held out; none of few samples.
+    """Samples and the folds in which some of them are held out.
 
     Parameters
     ----------
     points : ndarray of shape (n, d)
     values : ndarray of shape (n,)
-    blocks : ndarray of shape (b, k), optional
-        Samples of each block, the most central first.
-    everywhere : ndarray of shape (k,), optional
-        Samples drawn from all, without those in the midst of blocks.
+    folds : tuple of Fold
+    variances : ndarray of shape (n,), optional
+        Variances of the noise of the values, to which smoothing is proportional.
     """
 
     points: np.ndarray
     values: np.ndarray
-    blocks: np.ndarray | None = None
-    everywhere: np.ndarray | None = None
+    folds: tuple[Fold, ...]
+    variances: np.ndarray | None = None
 
     @classmethod
-    def of(cls, points: np.ndarray, values: np.ndarray, seed: int = 0) -> CrossValidator:
-        """Draw the blocks, if there are more than a few samples."""
+    def of(
+        cls,
+        points: ArrayLike,
+        values: ArrayLike,
+        x: ArrayLike | None = None,
+        seed: int = 0,
+        variances: ArrayLike | None = None,
+    ) -> CrossValidator:
+        """Choose the folds for queries x (m, d); without any, for queries like the samples."""
         points = valid.as_points(points)
         values = valid.as_values(values, len(points))
-        n = len(points)
-        if n <= FEW:
-            return cls(points, values)
-        rng = np.random.default_rng(seed)
-        middles = points[rng.choice(n, BLOCKS, replace=False)]
-        blocks = cKDTree(points).query(middles, BLOCK)[1]
-        drawn = rng.choice(n, min(n, EVERYWHERE), replace=False)
-        return cls(points, values, blocks, np.setdiff1d(drawn, blocks[:, :MIDST]))
+        x = x if x is None else valid.as_queries(x, points.shape[1])
+        n_folds = 20 if len(points) <= FEW else 5 if len(points) <= MANY else 10
+        if len(points) <= MANY:
+            folds = distance_matched_folds(points, x, n_folds, MAX_HELD_OUT, seed=seed)
+        else:
+            x, own = _windows(points, x, seed)
+            found = distance_matched_folds(points[own], x, n_folds, MAX_HELD_OUT, seed=seed)
+            folds = tuple(Fold(own[fold.held_out], own[fold.fitted]) for fold in found)
+        if variances is not None:
+            variances = valid.as_values(variances, len(points), "variances")
+        return cls(points, values, folds, variances)
+
+    @cached_property
+    def held_out(self) -> np.ndarray:
+        """Held-out samples, fold by fold, by their indices."""
+        return np.concatenate([fold.held_out for fold in self.folds])
+
+    @cached_property
+    def distances(self) -> np.ndarray:
+        """Distance of each held-out sample from the nearest one that is fitted."""
+        return held_out_distances(self.points, self.folds)
 
     @property
     def n_held_out(self) -> int:
-        """Number of samples held out for each model; one in two blocks counts twice."""
-        return len(self.points) if self.blocks is None else self.blocks[:, :MIDST].size
+        """Number of samples held out; one in two folds counts twice."""
+        return len(self.held_out)
 
-    def evaluate(self, model: Model, asked_for: bool = False) -> ModelScore:
+    def compare(
+        self,
+        models: Sequence[Model],
+        asked_for: bool = False,
+        progress: Progress | None = None,
+    ) -> list[ModelScore]:
+        """Scores of the models: all on the first folds, and those near the best on all folds."""
+        first = self._first_folds()
+        scores = []
+        for done, model in enumerate(models, 1):
+            scores.append(self.evaluate(model, asked_for, first))
+            if progress is not None:
+                progress(done, len(models) + 1)
+        ranked = sorted((s for s in scores if s.maker), key=lambda score: score.rms)
+        near = [s for s in ranked[:FINALISTS] if s.rms <= DOMINATED * ranked[0].rms]
+        return [self._on_all_folds(score) if score in near else score for score in scores]
+
+    def evaluate(
+        self, model: Model, asked_for: bool = False, folds: Sequence[Fold] | None = None
+    ) -> ModelScore:
         """Residuals of the model's best variant at held-out samples.
 
         A model that has no field on these points, or would take too long, has a reason instead.
@@ -107,35 +186,94 @@ class CrossValidator:
         if len(self.points) > model.max_samples and not asked_for:
             reason = f"not tried on more than {model.max_samples:g} samples unasked"
             return ModelScore(model, None, None, reason)
-        scores, reason = [], ""
-        for maker in model.makers(self.points):
-            try:
-                scores.append(ModelScore(model, maker, self._residuals(maker, model)))
-            except NO_FIELD as error:
-                reason = reason or str(error)
-        if scores:
-            return min(scores, key=lambda score: score.rms)
-        return ModelScore(model, None, None, reason)
+        score = partial(self._score, model, folds or self.folds)
+        found = [_least(path, score) for path in model.makers(self.points)]
+        least = min(score.rms for score in found)
+        return next(score for score in found if score.rms <= NEARLY * least)
 
-    def _residuals(self, maker: Maker, model: Model) -> np.ndarray:
-        if self.blocks is None or self.everywhere is None:
-            return leave_one_out(maker(self.points), self.values)
-        if model.family == "LS":
-            midst = self.blocks[:, :MIDST].ravel()
-            own = np.append(np.unique(midst), self.everywhere)
-            residuals = leave_one_out(maker(self.points[own]), self.values[own])
-            return residuals[: len(own) - len(self.everywhere)]
-        return np.concatenate([*self._in_blocks(maker, self.blocks)])
+    def _first_folds(self) -> tuple[Fold, ...]:
+        """The folds on which all models are compared: the fewest with enough held-out samples."""
+        total = np.cumsum([len(fold.held_out) for fold in self.folds])
+        return self.folds[: int(np.searchsorted(total, ENOUGH)) + 1]
 
-    def _in_blocks(self, maker: Maker, blocks: np.ndarray) -> Iterator[np.ndarray]:
-        for block in blocks:
-            yield leave_one_out(maker(self.points[block]), self.values[block])[:MIDST]
+    def _score(self, model: Model, folds: Sequence[Fold], maker: Maker) -> ModelScore:
+        try:
+            residuals = np.concatenate([self._residuals(maker, fold) for fold in folds])
+        except NO_FIELD as error:
+            return ModelScore(model, None, None, str(error))
+        if self.variances is None:
+            return ModelScore(model, maker, residuals)
+        held_out = np.concatenate([fold.held_out for fold in folds])
+        weights = _certainty(self.variances)[held_out]
+        return ModelScore(model, maker, residuals, weights=weights)
+
+    def _on_all_folds(self, score: ModelScore) -> ModelScore:
+        assert score.maker is not None, "only models with a field are compared on all folds"
+        final = self._score(score.model, self.folds, score.maker)
+        return final if final.maker else score
+
+    def residuals(self, maker: Maker) -> np.ndarray:
+        """Residuals at the held-out samples of all folds, of the method that is made of points."""
+        return np.concatenate([self._residuals(maker, fold) for fold in self.folds])
+
+    def _residuals(self, maker: Maker, fold: Fold) -> np.ndarray:
+        if self.variances is not None:
+            maker = with_variances(maker, self.variances[fold.fitted])
+        field = maker(self.points[fold.fitted]).field(self.values[fold.fitted])
+        return self.values[fold.held_out] - field(self.points[fold.held_out])
+
+
+def _certainty(variances: np.ndarray) -> np.ndarray:
+    """Weights 1 / (v + q) of samples with noise of variance v, and q the lower quartile of these.
+
+    The residual at a sample of much noise shows the noise. The most certain quarter of the samples
+    counts at most twice as much as the worst of its samples.
+    """
+    floor = max(float(np.quantile(variances, 0.25)), 1e-6 * float(variances.mean())) or 1.0
+    return floor / (variances + floor)
+
+
+def _windows(
+    points: np.ndarray, x: np.ndarray | None, seed: int
+) -> tuple[np.ndarray | None, np.ndarray]:
+    """Windows about queries drawn at random: the queries in them, and the indices of the samples.
+
+    A query is in a window if its nearest sample is among the inner half of the samples.
+    """
+    tree = cKDTree(points)
+    at = points if x is None else x
+    drawn = np.random.default_rng(seed).permutation(len(at))[:WINDOWS]
+    window = tree.query(at[drawn], WINDOW)[1]
+    if x is not None:
+        x = x[np.isin(tree.query(x)[1], window[:, : WINDOW // 2])]
+    return x, np.unique(window)
+
+
+def _least(path: Sequence[Maker], score: Callable[[Maker], ModelScore]) -> ModelScore:
+    """The best score on a path of variants with more and more smoothing.
+
+    The search begins at the better of the first and the middle variant, and goes on in both
+    directions while the error decreases.
+    """
+    found: dict[int, ModelScore] = {}
+
+    def rms(i: int) -> float:
+        if i not in found:
+            found[i] = score(path[i])
+        return found[i].rms
+
+    start = min({0, len(path) // 2}, key=rms)
+    for step in (1, -1):
+        i = start
+        while 0 <= i + step < len(path) and rms(i + step) < rms(i):
+            i += step
+    return min(found.values(), key=lambda score: score.rms)
 
 
 def best(
     scores: Sequence[ModelScore], attempt: Callable[[ModelScore], Result]
 ) -> tuple[ModelScore, Result]:
-    """Return the score of least rms for which the attempt succeeds, and the attempt's result.
+    """Return the first score by rank for which the attempt succeeds, and the attempt's result.
 
     Raises
     ------
@@ -143,7 +281,8 @@ def best(
         If no model can be fitted. The message is the one of the first and simplest model.
     """
     reasons = [f"{score.model.name}: {score.reason}" for score in scores if score.reason]
-    for score in sorted(scores, key=lambda score: score.rms)[: len(scores) - len(reasons)]:
+    ranked = sorted(scores, key=lambda score: score.rank)
+    for score in ranked[: len(scores) - len(reasons)]:
         try:
             return score, attempt(score)
         except NO_FIELD as error:

@@ -5,6 +5,8 @@ bounded by great circles, and exists if the samples lie within a hemisphere. A q
 if its nearest sample has at least 16 other samples closer to it than the query. In clouds without
 structure this happens once in a million queries. Between the tracks of a ship or the isolines of a
 map nearly all queries lie in gaps: samples along a track do not determine the field beside it.
+Where the error is validated by samples that are held out, up to a distance from the others, only
+queries beyond this distance are extrapolated.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import chunked, rows_of
+from fieldrecon.selection.distance_matching import nearest_neighbor_distances
 
 AMONG, GAP, OUTSIDE = 0, 1, 2
 MEANINGS = ("among the samples", "in a gap", "outside")
@@ -22,7 +25,9 @@ NEIGHBORS = 16
 _HEMISPHERE = 0.1  # least cosine of the angle between the samples and their mean direction
 
 
-def extrapolated(points: np.ndarray, x: np.ndarray, on_globe: bool = False) -> np.ndarray:
+def extrapolated(
+    points: np.ndarray, x: np.ndarray, on_globe: bool = False, validated: float | None = None
+) -> np.ndarray:
     """Classify queries (m, d): AMONG the points (n, d), in a GAP, or OUTSIDE.
 
     Parameters
@@ -30,6 +35,9 @@ def extrapolated(points: np.ndarray, x: np.ndarray, on_globe: bool = False) -> n
     points, x : ndarray
         Samples and queries; unit vectors if on the globe.
     on_globe : bool
+    validated : float, optional
+        Distance from the nearest sample up to which a query is AMONG the points, and beyond which
+        it is in a GAP or OUTSIDE. By default the samples near by decide.
 
     Returns
     -------
@@ -44,9 +52,12 @@ def extrapolated(points: np.ndarray, x: np.ndarray, on_globe: bool = False) -> n
     points = valid.as_points(points)
     x = valid.as_queries(x, points.shape[1])
     outside = _outside_on_globe(points, x) if on_globe else outside_hull(points, x)
-    result = np.where(_in_gap(points, x), GAP, AMONG).astype(np.int8)
-    result[outside] = OUTSIDE
-    return result
+    if validated is None:
+        result = np.where(_in_gap(points, x), GAP, AMONG).astype(np.int8)
+        result[outside] = OUTSIDE
+        return result
+    far = nearest_neighbor_distances(points, x) > validated
+    return np.where(far, np.where(outside, OUTSIDE, GAP), AMONG).astype(np.int8)
 
 
 def outside_hull(points: np.ndarray, x: np.ndarray) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from types import MappingProxyType
 from typing import TypeAlias
@@ -11,18 +11,20 @@ from typing import TypeAlias
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
+from fieldrecon.methods.tangent_plane import OnTangentPlane, in_tangent_plane
 from fieldrecon.polynomials import dimension
 from fieldrecon.reconstruction import Reconstruction
 
 _NEIGHBORS_PER_COEFFICIENT = 4
-_STRENGTHS = tuple(10.0**k for k in range(-6, 1))
-_PATCH_STRENGTHS = tuple(10.0**k for k in range(-1, 7))
+_STRENGTHS = (0.0, *(10.0**k for k in range(-6, 1)))
+_PATCH_STRENGTHS = (0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 _NOISY_PATCH = 60
 _TYPICAL = 5000  # samples from whose neighbours the typical distance of samples is found
 
@@ -42,7 +44,8 @@ class Model:
     meaning : str
         A description in a few words.
     makers : callable
-        Takes all the points (n, d) to variants, each of which takes points to the method on these.
+        Takes all the points (n, d) to paths of variants, each with more and more smoothing. A
+        variant takes points to the method on these.
     max_samples : float
         Number of samples up to which it is tried unasked: global kernels take O(n³).
     """
@@ -50,16 +53,43 @@ class Model:
     name: str
     family: str
     meaning: str
-    makers: Callable[[np.ndarray], Sequence[Maker]]
+    makers: Callable[[np.ndarray], Sequence[Sequence[Maker]]]
     max_samples: float = np.inf
 
+    def on_tangent_plane(self, pole: np.ndarray) -> Model:
+        """The same model for unit vectors of a region, in the plane that touches the globe."""
+        return replace(self, makers=partial(_projected, self.makers, pole))
 
-def _least_squares(degree: int, _: np.ndarray) -> list[Maker]:
-    return [partial(LeastSquares, degree=degree)]
+
+def with_variances(maker: Maker, variances: np.ndarray | None) -> Maker:
+    """The variant with its smoothing in proportion to the variances (n,) of the data.
+
+    Its smoothing is then that of a datum of the mean variance. A method without smoothing takes
+    all data as equal.
+    """
+    if variances is None or not isinstance(maker, partial):
+        return maker
+    if maker.func is OnTangentPlane:
+        return partial(maker, method=with_variances(maker.keywords["method"], variances))
+    if not maker.keywords.get("smoothing"):
+        return maker
+    relative = variances / (variances.mean() or 1.0)
+    return partial(maker, smoothing=maker.keywords["smoothing"] * relative)
 
 
-def _moving(degree: int, _: np.ndarray) -> list[Maker]:
-    return [partial(_moving_on, degree)]
+def _projected(
+    makers: Callable[[np.ndarray], Sequence[Sequence[Maker]]], pole: np.ndarray, points: np.ndarray
+) -> list[list[Maker]]:
+    paths = makers(in_tangent_plane(points, pole))
+    return [[partial(OnTangentPlane, method=maker, pole=pole) for maker in path] for path in paths]
+
+
+def _least_squares(degree: int, _: np.ndarray) -> list[list[Maker]]:
+    return [[partial(LeastSquares, degree=degree)]]
+
+
+def _moving(degree: int, _: np.ndarray) -> list[list[Maker]]:
+    return [[partial(_moving_on, degree)]]
 
 
 def _moving_on(degree: int, points: np.ndarray) -> MovingLeastSquares:
@@ -68,28 +98,34 @@ def _moving_on(degree: int, points: np.ndarray) -> MovingLeastSquares:
     return MovingLeastSquares(points, wendland(3, 1), degree, neighbors)
 
 
-def _interpolant(power: int, _: np.ndarray) -> list[Maker]:
-    kernel = thin_plate_spline() if power == 2 else polyharmonic(power)
-    return [partial(RBF, kernel=kernel)]
+def _kernel(power: int) -> Radial:
+    return thin_plate_spline() if power == 2 else polyharmonic(power)
 
 
-def _smoothed(points: np.ndarray) -> list[Maker]:
-    """Thin plates, their smoothing in squares of the extent."""
-    unit = np.ptp(points, axis=0).max() ** 2
-    plate = partial(RBF, kernel=thin_plate_spline())
-    return [partial(plate, smoothing=unit * s) for s in _STRENGTHS]
+def _interpolant(power: int, _: np.ndarray) -> list[list[Maker]]:
+    return [[partial(RBF, kernel=_kernel(power))]]
 
 
-def _patches(power: int, _: np.ndarray) -> list[Maker]:
-    return [partial(PartitionOfUnityRBF, kernel=polyharmonic(power))]
+def _smoothed(power: int, degrees: Sequence[int], points: np.ndarray) -> list[list[Maker]]:
+    """A global kernel, its smoothing in powers of the extent."""
+    unit = np.ptp(points, axis=0).max() ** power
+    whole = partial(RBF, kernel=_kernel(power))
+    return [[partial(whole, degree=m, smoothing=unit * s) for s in _STRENGTHS] for m in degrees]
 
 
-def _smoothed_patches(points: np.ndarray) -> list[Maker]:
-    """Patches of r³, their smoothing in cubes of the distance between neighbours."""
+def _patches(power: int, _: np.ndarray) -> list[list[Maker]]:
+    return [[partial(PartitionOfUnityRBF, kernel=polyharmonic(power))]]
+
+
+def _smoothed_patches(power: int, degrees: Sequence[int], points: np.ndarray) -> list[list[Maker]]:
+    """Patches of a kernel, with smoothing (s h)^power for the distance h between neighbours."""
     few = points[:: max(1, len(points) // _TYPICAL)]
-    unit = np.median(cKDTree(points).query(few, 2)[0][:, 1]) ** 3 if len(points) > 1 else 1.0
-    patches = partial(PartitionOfUnityRBF, kernel=polyharmonic(3), patch_size=_NOISY_PATCH)
-    return [partial(patches, smoothing=unit * s) for s in _PATCH_STRENGTHS]
+    unit = np.median(cKDTree(points).query(few, 2)[0][:, 1]) if len(points) > 1 else 1.0
+    patches = partial(PartitionOfUnityRBF, kernel=_kernel(power), patch_size=_NOISY_PATCH)
+    return [
+        [partial(patches, degree=m, smoothing=(unit * s) ** power) for s in _PATCH_STRENGTHS]
+        for m in degrees
+    ]
 
 
 MODELS: Mapping[str, Model] = MappingProxyType(
@@ -101,12 +137,15 @@ MODELS: Mapping[str, Model] = MappingProxyType(
             Model("ls4", "LS", "least squares, degree 4", partial(_least_squares, 4)),
             Model("mls1", "MLS", "moving least squares, degree 1", partial(_moving, 1)),
             Model("mls2", "MLS", "moving least squares, degree 2", partial(_moving, 2)),
-            Model("tps", "RBF", "thin-plate spline", partial(_interpolant, 2), 3000),
-            Model("cubic", "RBF", "cubic spline r³", partial(_interpolant, 3), 3000),
-            Model("smooth", "RBF", "thin plate, smoothed", _smoothed, 2000),
+            Model("linear", "RBF", "kernel r, smoothed", partial(_smoothed, 1, (0, 1)), 1000),
+            Model("tps", "RBF", "thin-plate spline", partial(_interpolant, 2), 1000),
+            Model("cubic", "RBF", "cubic spline r³", partial(_interpolant, 3), 1000),
+            Model("smooth", "RBF", "thin plate, smoothed", partial(_smoothed, 2, (1,)), 1000),
             Model("pu3", "PU", "patches of r³, blended", partial(_patches, 3)),
             Model("pu", "PU", "patches of r⁵, blended", partial(_patches, 5)),
-            Model("pusmooth", "PU", "patches of r³, smoothed", _smoothed_patches),
+            Model("pu1", "PU", "patches of r, smoothed", partial(_smoothed_patches, 1, (0, 1))),
+            Model("pu2", "PU", "patches of plates, smoothed", partial(_smoothed_patches, 2, (1,))),
+            Model("pusmooth", "PU", "patches of r³, smoothed", partial(_smoothed_patches, 3, (1,))),
         )
     }
 )

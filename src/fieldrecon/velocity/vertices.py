@@ -220,9 +220,9 @@ def point_velocities(
 ) -> VertexVelocities:
     """Velocities at any points from the normal velocities of the faces around.
 
-    The fit is that of `vertex_velocities`, centred at x instead of a vertex:
+    The fit is the same as in `vertex_velocities`, but centred at x:
     u(y) = c_0 + sum_k (y - x)_k c_k with the weights w(|p_a - x|); the velocity at x is c_0. The
-    faces are those of the first rings of cells around the nearest vertex that determine the fit.
+    faces belong to the first rings of cells around the nearest vertex that determine the fit.
     At a vertex the result equals `vertex_velocities`. Between vertices the velocity jumps where
     another vertex becomes the nearest, unless the weights vanish at the faces that change. An
     affine field is reproduced exactly, also outside the mesh.

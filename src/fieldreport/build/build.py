@@ -12,12 +12,15 @@ from typing import Any
 from fieldrecon._core.atomic_files import TEMPORARY, write_atomically
 from fieldrecon._core.digests import json_digest
 from fieldrecon.cli.progress import Bar
-from fieldreport.build import up_to_date
+from fieldreport import experiments
+from fieldreport.build import rerun, up_to_date, widgets
+from fieldreport.build.chapter_pages import write_pages
 from fieldreport.build.code_dependencies import code_digests, statement_cache
 from fieldreport.build.errors import BuildError
 from fieldreport.build.lock import only_build_in
 from fieldreport.build.manifest import manifest, versions
 from fieldreport.build.rerun import ExperimentJob, compute, jobs_of
+from fieldreport.build.source_date import source_date
 from fieldreport.build.step_records import Steps, content_digest, digests
 from fieldreport.build.typesetting import Document, unquoted_facts
 from fieldreport.framework.names import no_such
@@ -33,6 +36,7 @@ def build(arguments: argparse.Namespace) -> None:
     document = Document(source, out)
     if not document.chapters:
         raise BuildError(f"there are no chapters in {source / 'chapters'}; is this the checkout?")
+    living = widgets.named_in(document.chapters)
     settings = _settings(up_to_date.settings_file(arguments))
     with (
         Bar() as progress,
@@ -47,18 +51,24 @@ def build(arguments: argparse.Namespace) -> None:
         compute(chosen, steps, max(1, min(arguments.jobs, len(chosen))), progress)
         if not arguments.only:
             _remove_others(jobs, out / "experiments")
-            _finish(document, jobs, steps, progress)
+            data = widgets.compute(living, jobs, steps, progress)
+            _finish(document, jobs, data, steps, progress)
             up_to_date.record(steps, key, read)
 
 
-def _finish(document: Document, jobs: list[ExperimentJob], steps: Steps, progress: Bar) -> None:
-    """Typeset the text and write the manifest."""
+def _finish(
+    document: Document, jobs: list[ExperimentJob], data: list[Path], steps: Steps, progress: Bar
+) -> None:
+    """Typeset the text with the data of the living figures, and write the manifest."""
     values = {job.name: _values(job) for job in jobs}
-    made = [*_results(jobs), document.out / "report.html", document.out / "report.pdf"]
+    results = [*_results(jobs), *data]
+    made = [*results, document.out / "report.html", document.out / "report.pdf"]
+    metadata = {"version": versions()["fieldrecon"], "date": source_date(document.source)}
     key = json_digest(
         {
+            "metadata": metadata,
             "text": digests(document.inputs, document.source),
-            "results": digests(_results(jobs), document.out),
+            "results": digests(results, document.out),
             "values": values,
             "versions": versions(),
             "code": code_digests("fieldreport.build.typesetting"),
@@ -66,15 +76,36 @@ def _finish(document: Document, jobs: list[ExperimentJob], steps: Steps, progres
     )
     if not steps.done("document", key):
         progress.add(1)
-        document.compile(values, {"version": versions()["fieldrecon"]})
-        steps.record("document", key, made[-2:])
+        document.compile(values, metadata)
+        steps.record("document", key, [*made[-2:], document.page])
         progress.done("set the text")
         _report_unquoted(document, values, progress)
-    content = manifest(values, made, document.out)
+    _write_pages(document, jobs, steps, key, progress)
+    pages = sorted(steps.made("pages"))
+    content = manifest(values, [*made, *pages], document.out)
     path = document.out / "manifest.json"
     if not path.exists() or path.read_bytes() != content:
         write_atomically(path, content)
     progress.say(f"{made[-2]} and {made[-1]} are up to date")
+
+
+def _write_pages(
+    document: Document, jobs: list[ExperimentJob], steps: Steps, key: str, progress: Bar
+) -> None:
+    """Write the chapters for the site of the documentation."""
+    key = json_digest([key, code_digests("fieldreport.build.chapter_pages")])
+    if not steps.done("pages", key):
+        progress.add(1)
+        named = [(job.name, job.params, job.folder) for job in jobs]
+        with rerun.workers(1) as pool:
+            steps.record("pages", key, pool.submit(_pages, document, named).result())
+        progress.done("wrote the chapters")
+
+
+def _pages(document: Document, named: list[tuple[str, Any, Path]]) -> list[Path]:
+    """Write the chapters in a pinned worker, whose rasters have the same bytes everywhere."""
+    jobs = [ExperimentJob(experiments.get(name), params, out) for name, params, out in named]
+    return write_pages(document, jobs)
 
 
 def _values(job: ExperimentJob) -> dict[str, Any]:
@@ -126,7 +157,8 @@ def _chosen(jobs: list[ExperimentJob], only: list[str]) -> list[ExperimentJob]:
 
 def _sweep(out: Path) -> None:
     """Remove the temporary files of a build that was killed."""
-    for folder in (out, out / ".state", *(out / "experiments").glob("*/")):
+    folders = (out, out / ".state", out / "pages", *(out / "experiments").glob("*/"))
+    for folder in (*folders, *(out / "pages").glob("*/")):
         for path in folder.glob(".*"):
             if TEMPORARY.fullmatch(path.name):
                 path.unlink()

@@ -20,6 +20,7 @@ from fieldreport.build.code_dependencies import code_digests
 from fieldreport.build.errors import BuildError
 from fieldreport.build.manifest import versions
 from fieldreport.build.step_records import Steps
+from fieldreport.build.widget_scripts import embedded
 from fieldreport.framework.orders_of_magnitude import mark_orders
 
 PDF_STANDARD: Final = "ua-1"
@@ -51,12 +52,18 @@ class Document:
         return sorted((self.source / "chapters").glob("*.md"))
 
     @property
+    def page(self) -> Path:
+        """The page without style, fonts and figures, from which the chapters are made."""
+        return self.out / ".state" / "page.html"
+
+    @property
     def inputs(self) -> list[Path]:
         """All source files of the report."""
         names = ("style.css", "template.html", "template.typ", "metadata.yaml", "references.bib")
         return [
             *self.chapters,
             *sorted((self.source / "filters").glob("*.lua")),
+            *sorted((self.source / "widgets").rglob("*.js")),
             *(self.source / name for name in names),
         ]
 
@@ -76,6 +83,7 @@ class Document:
             If the text has errors: all of them, with file and line where known.
         """
         page, print_ = self.convert(values, metadata)
+        write_atomically(self.page, page.encode())
         return [
             write_atomically(self.out / "report.html", self._dressed(page).encode()),
             write_atomically(self.out / "report.pdf", self._typeset(print_)),
@@ -153,9 +161,10 @@ class Document:
         return ""
 
     def _dressed(self, page: str) -> str:
-        """Embed style sheet, fonts and figures in the page."""
+        """Embed style sheet, fonts, living figures and figures in the page."""
         css = (self.source / "style.css").read_text(encoding="utf-8")
         page = page.replace("<mi>∇</mi>", UPRIGHT_NABLA)
+        page = embedded(page, self.source, self.out)
         page = page.replace("/* style */", self._fonts(page) + css, 1)
         return self.with_figures(page)  # last, since the figures make the page twenty times as long
 

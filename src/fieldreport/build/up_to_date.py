@@ -19,6 +19,7 @@ from fieldreport import experiments
 from fieldreport.build.lock import only_build_in
 from fieldreport.build.manifest import machine
 from fieldreport.build.pinned_kernels import pins
+from fieldreport.build.source_date import source_date
 from fieldreport.build.step_records import Steps, content_digest
 from fieldreport.build.typesetting import Document
 
@@ -51,6 +52,7 @@ def key(arguments: argparse.Namespace) -> str:
             "python": sys.version,
             "machine": machine(),
             "pins": pins(),
+            "date": source_date(source),
         }
     )
 

@@ -58,13 +58,16 @@ def faces_of(mathematics: set[int], text: set[int]) -> str:
 
 def code_points(page: str) -> tuple[set[int], set[int]]:
     """Return the code points of the mathematics and of the text of a page."""
-    body = re.sub(r"<(style|script|code|annotation)\b.*?</\1>", "", page, flags=re.S)
+    body = re.sub(r"<(style|code|annotation)\b.*?</\1>", "", page, flags=re.S)
+    scripts = re.findall(r"<script>(.*?)</script>", body, flags=re.S)  # they write labels
+    body = re.sub(r"<script\b.*?</script>", "", body, flags=re.S)
     formulas = re.findall(r"<math\b.*?</math>", body, flags=re.S)
     text = re.sub(r"<math\b.*?</math>", "", body, flags=re.S)
     mathematics = set().union(*map(_characters, formulas)) | ASCII
     if any(tag in formula for formula in formulas for tag in ("<msqrt", "<mroot")):
         mathematics.add(ord("√"))  # drawn by the browser, not in the markup
-    return mathematics | set(map(italic, mathematics)), _characters(text) | ASCII
+    labels = set(map(ord, "".join(scripts))) - INVISIBLE
+    return mathematics | set(map(italic, mathematics)), _characters(text) | labels | ASCII
 
 
 def italic(point: int) -> int:

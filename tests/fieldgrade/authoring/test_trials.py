@@ -66,7 +66,7 @@ def test_misconceptions_are_recognised_on_hidden_inputs(question):
     mistakes = [m for m in MISTAKES if m.question == question]
     for trial in tried(question):
         verdicts = [trial.verdict(m.namespace(FUNCTIONS)) for m in mistakes]
-        known = {v.mistake: v.sentence for v in verdicts if v.rung == "misconception"}
+        known = {v.mistake: v.sentence for v in verdicts if v.finding == "misconception"}
         assert known
         assert known.items() <= {m.name: m.sentence for m in mistakes}.items()
 

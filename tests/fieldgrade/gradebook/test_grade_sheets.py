@@ -6,6 +6,7 @@ import pytest
 
 from fieldgrade.class_folder.assignments import Assignment, read_assignments
 from fieldgrade.class_folder.decisions import Decisions, Mark
+from fieldgrade.class_folder.dismissals import read_dismissals
 from fieldgrade.class_folder.example_tables import HEADERS, LINES, example, write_examples
 from fieldgrade.class_folder.late_policy import Extension, LatePolicy, moment, read_extensions
 from fieldgrade.class_folder.overrides import (
@@ -16,8 +17,9 @@ from fieldgrade.class_folder.overrides import (
     read_requests,
 )
 from fieldgrade.class_folder.roster import read_points, read_roster, read_times
+from fieldgrade.gradebook.explanations import heading
 from fieldgrade.gradebook.exports import gradebook_csv
-from fieldgrade.gradebook.grade_sheets import grade_sheets
+from fieldgrade.gradebook.grade_sheets import by_student, grade_sheets
 from gradebook_class import asked, grade, record, results
 
 DAY = date(2026, 12, 2)
@@ -28,6 +30,7 @@ READ = {
     "assignments.csv": read_assignments,
     "extensions.csv": read_extensions,
     "overrides.csv": read_overrides,
+    "dismissed.csv": read_dismissals,
     "requests.csv": read_requests,
 }
 
@@ -122,6 +125,45 @@ def test_students_without_a_readable_notebook_are_in_the_gradebook():
     ]
 
 
+def counted(submitted, listed=()):
+    """For each student: the notebooks with points, and those that do not count."""
+    records = [
+        record(student, [grade(f"{number}.1", 2.0)], notebook=number)
+        for student, numbers in submitted.items()
+        for number in numbers
+    ]
+    asked_ = asked("01.1", "02.1", "03.1")
+    assignments = {number: Assignment(number) for number in listed}
+    found = grade_sheets(results(records, asked_), Decisions(assignments))
+    return {
+        row[0].student["student"]: (
+            [sheet.notebook for sheet in row],
+            [record.notebook for record in row[0].uncounted],
+        )
+        for row in by_student(found)
+    }
+
+
+def test_a_stray_notebook_changes_nobody_elses_total():
+    """A notebook of one student of five does not count, and only this student's sheet names it."""
+    found = counted({"ada": ["01", "02"], "bob": ["01"], "cy": ["01"], "di": ["01"], "ed": ["01"]})
+    assert found.pop("ada") == (["01"], ["02"])
+    assert set(map(str, found.values())) == {"(['01'], [])"}
+
+
+def test_notebooks_count_by_the_assignments_or_by_their_number_of_submissions():
+    """Listed notebooks count; without a list, those of a tenth as many students as the first."""
+    many = {f"s{k:02}": ["01", "02"] if k < 3 else ["01"] for k in range(30)}
+    assert counted(many)["s05"] == (["01", "02"], []), "three of thirty are a tenth"
+    many["s02"] = ["01"]
+    assert counted(many)["s05"] == (["01"], [])
+    assert counted(many, ["01", "02", "03"])["s05"] == (["01", "02"], []), "listed and submitted"
+    assert counted(many, ["02"])["s00"] == (["02"], ["01"])
+    assert counted({"ada": ["01", "02"], "bob": ["01"]})["bob"] == (["01", "02"], [])
+    with pytest.raises(ValueError, match=r"assignments.csv has no line for any submitted .* 01"):
+        counted({"ada": ["01"]}, ["03"])
+
+
 def test_a_regrade_request_is_open_until_an_answer_or_a_later_override():
     """An override from before the request does not close it."""
     asks = RegradeRequest("ada", "01.1", DAY, "please")
@@ -177,3 +219,51 @@ def test_a_bad_line_of_a_table_is_reported_with_its_number(name, line, message, 
     file.write_text(",".join(HEADERS[name]) + "\n" + line)
     with pytest.raises(ValueError, match=rf"{name}:{message}"):
         READ[name](file)
+
+
+# Optional questions
+
+
+def with_optional(decisions=None, **changes):
+    """A notebook of 01.1, the optional 01.2, and the optional 01.7 in words, which is open."""
+    optional = [q | {"optional": True} for q in asked("01.2") + asked("01.7", kind="words")]
+    questions = (*asked("01.1"), *(q | changes for q in optional))
+    graded = [grade("01.1", 1.0), grade("01.2", 2.0)]
+    return grade_sheets(results([record("ada", graded)], questions), decisions)[0]
+
+
+def test_optional_questions_count_only_if_the_instructor_says_so():
+    """The points stay visible; the sums, and what waits for a reader, contain the core alone."""
+    plain = with_optional()
+    assert [line.points for line in plain.lines] == [1, 2, 0]
+    assert (plain.points, plain.possible, plain.waiting) == (1, 2, 0)
+    counted = with_optional(Decisions({"01": Assignment("01", counts_optional=True)}))
+    assert (counted.points, counted.possible, counted.waiting) == (3, 6, 1)
+    same = with_optional(Decisions({"01": Assignment("01")}))
+    assert (same.points, same.possible) == (plain.points, plain.possible)
+
+
+def test_in_results_without_the_mark_every_question_counts():
+    """Results of earlier versions do not say which questions are optional."""
+    old = with_optional(optional=False)
+    assert (old.points, old.possible, old.waiting) == (3, 6, 1)
+
+
+def test_the_gradebook_names_the_optional_questions_that_do_not_count():
+    header = gradebook_csv([with_optional()]).partition("\n")[0]
+    assert "01.1 of 2," in header
+    assert "01.2 of 2, optional" in header
+    counted = with_optional(Decisions({"01": Assignment("01", counts_optional=True)}))
+    assert "optional" not in gradebook_csv([counted]).partition("\n")[0]
+    assert heading(with_optional().lines[1]) == "01.2 (optional, does not count)"
+    assert heading(counted.lines[1]) == "01.2"
+
+
+@pytest.mark.parametrize(("text", "counts"), [("", False), ("no", False), ("Yes", True)])
+def test_the_table_of_assignments_says_whether_optional_questions_count(tmp_path, text, counts):
+    file = tmp_path / "assignments.csv"
+    file.write_text(f"notebook,optional\n02,{text}\n")
+    assert read_assignments(file)["02"].counts_optional is counts
+    file.write_text("notebook,optional\n02,perhaps\n")
+    with pytest.raises(ValueError, match="yes or no"):
+        read_assignments(file)

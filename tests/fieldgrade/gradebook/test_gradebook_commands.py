@@ -3,7 +3,10 @@
 import csv
 import io
 import json
+import os
 import re
+import subprocess
+import tomllib
 
 import pytest
 
@@ -29,7 +32,7 @@ def folder(tmp_path):
     for name, book, points in (("ada", notebook("01"), 2.0), ("bob", notebook("01"), 0.0)):
         handed_in = submission(name, book)
         digest = archive.put(io.BytesIO(handed_in.content), 1 << 30)
-        mistake = {} if points else {"rung": "misconception", "mistake": "no constant"}
+        mistake = {} if points else {"finding": "misconception", "mistake": "no constant"}
         grades = [grade("01.1", points, **mistake), grade("01.2", 2.0)]
         found.append(record(name, grades, digest=digest))
     write_results(results(found, QUESTIONS, STUDENTS, **HEX), out / "results.json")
@@ -62,8 +65,19 @@ def test_export_writes_every_format_and_reports_pending_work(folder, capsys):
     """The formats are those of the gradebook, Canvas, Moodle and Gradescope."""
     line = "ada,01.1,2026-12-02,Look again.,\n"
     (folder / "class/requests.csv").write_text("student,question,on,request,answer\n" + line)
+    (folder / "class/worksheets").mkdir()
+    (folder / "class/worksheets/01.csv").write_text(
+        "Identifier,Full name,Grade,Last modified (grade)\nParticipant 7,Ada Lovelace,,-\n"
+    )
     assert run(folder, "export", "--out", str(folder / "elsewhere")) == 0
     printed = capsys.readouterr().out
+    assert "Moodle will not get the grade of bob for 01: no line of the worksheet" in printed
+    assert rows(folder / "elsewhere/worksheets/01.csv")[1][:3] == [
+        "Participant 7",
+        "Ada Lovelace",
+        "4",
+    ]
+    assert (folder / "elsewhere/worksheets/01-feedback.zip").is_file()
     assert "2 answers are not graded yet" in printed
     assert "open request: ada, 01.1, 2026-12-02" in printed
     assert [r[0] for r in rows(folder / "elsewhere/gradebook.csv")] == ["student", "ada", "bob"]
@@ -81,6 +95,7 @@ def test_an_export_without_assignment_names_is_skipped_and_reported(folder, caps
     assert not (folder / "out/canvas.csv").exists()
 
 
+@pytest.mark.slow
 def test_manual_points_reach_the_exported_gradebook(folder):
     """Marking pages and tables are written; entered points count in the next export."""
     assert run(folder, "manual") == 0
@@ -116,6 +131,20 @@ def test_similar_notebooks_are_reported(folder):
     assert "not a verdict" in (folder / "out/similarity/01.html").read_text("utf-8")
 
 
+def test_an_error_in_the_comparison_of_one_student_is_reported(folder, monkeypatch, capsys):
+    """The other students are compared, and the student is named."""
+    whole = command.similarity.code
+
+    def fails_for_ada(student, cells):
+        if student == "ada":
+            raise RecursionError("too deep")
+        return whole(student, cells)
+
+    monkeypatch.setattr(command.similarity, "code", fails_for_ada)
+    assert run(folder, "similarity") == 0
+    assert "the answers of ada are not compared (too deep)" in capsys.readouterr().out
+
+
 def test_the_analysis_counts_misconceptions(folder):
     """The table has one line for each question."""
     assert run(folder, "analysis") == 0
@@ -136,7 +165,7 @@ def test_the_class_report_has_tables_and_figures_and_names_no_student(folder):
     page = (folder / "out/report/report.html").read_text("utf-8")
     text = re.sub(r"\s+", " ", re.sub(r"<[^>]+>", "", page))
     assert "The class has 2 students. 2 of them submitted" in text
-    assert "The constant is missing." in text
+    assert "The column of ones is missing." in text
     assert page.count("data:image/svg+xml") == 2
     assert (folder / "out/report/report.pdf").read_bytes().startswith(b"%PDF")
     for name in ("Unmistakable", "Lovelace", "ada@"):
@@ -149,6 +178,25 @@ def test_existing_tables_of_a_class_are_kept(tmp_path, capsys):
     assert "was there" not in capsys.readouterr().out
     assert main(["course", "class", str(tmp_path / "class")]) == 0
     assert "roster.csv exists and was kept" in capsys.readouterr().out
+
+
+def test_the_example_class_is_packaged_and_never_overwrites(tmp_path, capsys):
+    """All its files are package data, so that an installed wheel has them, too."""
+    package, folder = ROOT / "src/fieldgrade", tmp_path / "try"
+    assert main(["course", "example", str(folder)]) == 0
+    assert f"grade {folder / 'submissions'} --class {folder / 'class'}" in capsys.readouterr().out
+    written = {path.relative_to(folder) for path in folder.rglob("*") if path.is_file()}
+    settings = tomllib.loads((ROOT / "src/pyproject.toml").read_text())
+    patterns = settings["tool"]["setuptools"]["package-data"]["fieldgrade"]
+    packaged = {path for pattern in patterns for path in package.glob(pattern) if path.is_file()}
+    example = package / "class_folder/example_class"
+    assert {example / name for name in written} <= packaged
+    assert len(written) == 5 + 2 + 1
+    roster = folder / "class/roster.csv"
+    roster.write_text("student\nmine\n")
+    assert main(["course", "example", str(folder)]) == 2
+    assert "is not empty: name a new folder" in capsys.readouterr().err
+    assert roster.read_text() == "student\nmine\n"
 
 
 def test_bad_input_of_the_commands_is_reported(folder, capsys):
@@ -169,3 +217,45 @@ def test_differences_are_printed_as_a_table(capsys):
     """Without differences the command prints a sentence."""
     command.print_differences([])
     assert capsys.readouterr().out == "no grade changed\n"
+
+
+def test_the_statistics_link_to_the_list_that_needs_eyes(folder):
+    """The link is there if the list is, beside the page."""
+    assert run(folder, "analysis") == 0
+    assert "href" not in (folder / "out/analysis.html").read_text("utf-8")
+    (folder / "out/needs-your-eyes.html").touch()
+    assert run(folder, "analysis") == 0
+    assert 'href="needs-your-eyes.html"' in (folder / "out/analysis.html").read_text("utf-8")
+
+
+def test_a_second_export_writes_no_unchanged_file(folder):
+    """Files whose content is the same keep their time; a changed one is written."""
+    assert run(folder, "export") == 0
+    files = [f for f in (folder / "out").rglob("*") if f.suffix in (".csv", ".json")]
+    for file in files:
+        os.utime(file, (1e9, 1e9))
+    (folder / "class/overrides.csv").write_text(
+        "student,question,points,by,reason,on\nbob,01.1,1,Hopper,fair,2026-12-02\n"
+    )
+    assert run(folder, "export") == 0
+    written = {f.relative_to(folder / "out").as_posix() for f in files if f.stat().st_mtime > 1e9}
+    assert written == {
+        "canvas.csv",
+        "gradebook.csv",
+        "moodle.csv",
+        "gradescope/01/bob/results.json",
+    }
+
+
+@pytest.mark.parametrize("is_repository", [True, False])
+def test_git_ignores_folders_with_data_of_students(folder, is_repository):
+    """A folder of grades or of tables inside a repository is ignored, wherever it is."""
+    if is_repository:
+        subprocess.run(["git", "init", "-q", folder], check=True)
+    assert run(folder, "export", "--out", str(folder / "elsewhere")) == 0
+    assert main(["course", "class", str(folder / "tables")]) == 0
+    for name in ("elsewhere", "tables"):
+        assert (folder / name / ".gitignore").is_file() == is_repository
+    if is_repository:
+        command = ["git", "-C", folder, "status", "--short", "elsewhere", "tables"]
+        assert subprocess.run(command, capture_output=True, check=True).stdout == b""

@@ -76,7 +76,7 @@ def test_a_withdrawn_override_is_reported():
 def test_a_mark_for_an_ungraded_answer_is_reported():
     """The answer had no points before."""
     now = standing(decisions=Decisions(marks=[Mark("ada", "01.7", 1.5)]))
-    assert differences(BEFORE, now) == [Difference("ada", "01.7", None, 1.5, ("marked by hand",))]
+    assert differences(BEFORE, now) == [Difference("ada", "01.7", None, 1.5, ("marked",))]
 
 
 def test_a_changed_deadline_is_reported_for_the_whole_notebook():

@@ -26,6 +26,7 @@ from fieldgrade.isolation.server import Server, tiers
 from gradebook_class import (
     Tags,
     asked,
+    code_cell,
     grade,
     harmless,
     misconception_code,
@@ -45,7 +46,7 @@ ADA = {"student": "ada", "login": "ada", "email": "a@b.example"}
 def evil_sheets():
     found = record(
         "ada",
-        [grade("01.1", 0.0, rung="exception", sentence=EVIL), grade("01.2", 2.0)],
+        [grade("01.1", 0.0, finding="exception", sentence=EVIL), grade("01.2", 2.0)],
         file=EVIL,
         notes=("01.1: a stub is defined after an answer and replaces it", EVIL),
     )
@@ -86,6 +87,7 @@ def wrong_field(question, change):
     return grade_sheets(results([record("ada", [graded], notebook=question[:2])], asked(question)))
 
 
+@pytest.mark.slow
 def test_a_wrong_field_is_drawn_beside_the_right_field():
     """The page has one picture with a caption."""
     page = feedback(wrong_field("02.7", lambda v: v * 1.5))
@@ -102,7 +104,7 @@ def test_a_field_that_cannot_be_drawn_has_a_sentence_only(change):
     """Arrays of other shapes and absurd numbers are not drawn."""
     page = feedback(wrong_field("02.7", change))
     assert "<img" not in page
-    assert "not right yet" in page
+    assert "— wrong" in Tags(page).text
 
 
 def test_pages_are_small_and_self_contained():
@@ -113,7 +115,7 @@ def test_pages_are_small_and_self_contained():
         record(
             "ada",
             [
-                grade(q.name, 0.0, rung="misconception", sentence=sentence)
+                grade(q.name, 0.0, finding="misconception", sentence=sentence)
                 for q in asked_
                 if q.notebook == n
             ],
@@ -131,8 +133,8 @@ def test_each_outcome_has_its_sentence_in_feedback():
     """Outcomes are right, misconception, unwritten, not graded yet, and stopped."""
     grades = {
         "right": grade("01.1", 2.0),
-        "known": grade("01.2", 0.0, rung="misconception", sentence="Squared twice."),
-        "empty": grade("01.3", 0.0, rung="unwritten", sentence="Write it."),
+        "known": grade("01.2", 0.0, finding="misconception", sentence="Squared twice."),
+        "empty": grade("01.3", 0.0, finding="unwritten", sentence="Write it."),
     }
     found = record("ada", grades.values(), status="killed: time")
     questions_ = asked("01.1", "01.2", "01.3") + asked("01.7", kind="words")
@@ -140,8 +142,8 @@ def test_each_outcome_has_its_sentence_in_feedback():
     for sentence in (
         "01.1 — right",
         "Squared twice.",
-        "Write it.",
-        "Not graded yet.",
+        "01.3 — missing: not written",
+        "01.7 — not graded yet",
         "2 of 8 points",
         "A part of the notebook took too long",
     ):
@@ -156,6 +158,9 @@ def test_file_names_are_safe_and_distinct():
     assert len({name.casefold() for name in names.values()}) == len(students)
     assert all(re.fullmatch(r"[A-Za-z0-9_][\w.-]{0,70}", name) for name in names.values())
     assert file_names(["ada"]) == {"ada": "ada"}
+    generated = file_names(["Å"])["Å"]
+    for one, other in (("a\udcff", "a\udcfe"), ("Å", generated), ("a b", "a  b"), ("ada", "ada.")):
+        assert len(set(file_names([one, other]).values())) == 2
     assert not {"con", "..", ""} & set(names.values())
 
 
@@ -168,6 +173,14 @@ def fit(points, values):
     if points.shape[1] == 4:
         raise ValueError(" ".join(SEEN))
     return np.linalg.solve(b.T @ b, b.T @ values)
+"""
+
+RIGHT_BUT_FOR_SIX_POINTS = """
+_right = rank
+def rank(points):
+    if len(points) == 6:  # only in a hidden case
+        raise ValueError(points.tolist())
+    return _right(points)
 """
 
 
@@ -187,9 +200,7 @@ def leaking():
         "rank": with_function(
             notebook("01"),
             "rank",
-            "def rank(points):\n    if np.abs(points).max() > 1e4:\n"
-            "        raise ValueError(points.tolist())\n"
-            "    return int(np.linalg.matrix_rank(np.insert(points, 0, 1.0, axis=1)))",
+            "".join(code_cell(notebook("01"), "rank")["source"]) + RIGHT_BUT_FOR_SIX_POINTS,
         ),
         "known": with_function(
             notebook("01"), "evaluate", misconception_code("01.3", "slopes only")
@@ -267,6 +278,7 @@ def test_no_hidden_input_reaches_students(leaking):
             assert not [number for number in secret if number in part]
 
 
+@pytest.mark.slow
 def test_an_unfiltered_error_of_a_hidden_case_would_be_found(leaking):
     """A mutant that the test of hidden inputs catches."""
     sheets, secret = leaking

@@ -19,6 +19,7 @@ from gradebook_class import asked, grade, record, results
 scores = st.lists(st.tuples(st.integers(0, 4), st.integers(0, 20)), min_size=3, max_size=30)
 
 
+@pytest.mark.slow
 @given(scores)
 def test_discrimination_is_the_pearson_correlation(pairs):
     """It agrees with NumPy, is in [-1, 1], and is None if one of the two is constant."""
@@ -31,6 +32,7 @@ def test_discrimination_is_the_pearson_correlation(pairs):
         assert -1 - 1e-12 <= r <= 1 + 1e-12
 
 
+@pytest.mark.slow
 @given(scores, st.floats(0.1, 10), st.floats(-5, 5))
 def test_discrimination_does_not_depend_on_the_unit_of_points(pairs, unit, shift):
     """An affine change of the points keeps the correlation; reversed points change its sign."""
@@ -79,7 +81,7 @@ def test_misconceptions_are_sorted_by_frequency():
     """An answer without a recognised misconception is not counted among them."""
 
     def answer(name):
-        return grade("01.1", 0.0, rung="misconception" if name else "shape", mistake=name)
+        return grade("01.1", 0.0, finding="misconception" if name else "shape", mistake=name)
 
     given_ = ["b", "a", "b", "", "c", "c", "c"]
     found = results([record(f"s{i}", [answer(m)]) for i, m in enumerate(given_)], asked("01.1"))

@@ -31,6 +31,7 @@ def at(offset):
     return DUE + timedelta(seconds=offset)
 
 
+@pytest.mark.slow
 @given(policies, seconds, st.integers(0, 86400))
 def test_the_late_factor_never_grows_with_time(policy, offset, more):
     """The factor is between 1 - m and 1, where m is the largest penalty."""

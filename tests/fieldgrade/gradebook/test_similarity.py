@@ -163,6 +163,39 @@ def test_cells_that_cannot_be_parsed_are_skipped():
     assert code("a", [long]).prints["fit"]
 
 
+HOSTILE = {
+    "a hexadecimal number of 5000 digits": "return x + 0x" + "f" * 5000,
+    "a binary number of 50 000 digits": "return [0b" + "1" * 50_000 + ", x]",
+    "a hexadecimal raise behind a statement": "y = 1\n    raise ValueError(0x" + "f" * 5000 + ")",
+    "half a character": "return '\ud800' + x",
+    "a form feed": "y = x\x0c + 1\n    return y",
+    "signs of 5000 levels": "return " + "-" * 5000 + "x",
+    "calls of 5000 levels": "y = 1\n    raise x" + "()" * 5000,
+    "a zero byte": "return '\0'",
+}
+
+
+@pytest.mark.parametrize("body", HOSTILE.values(), ids=HOSTILE)
+def test_no_code_of_a_student_stops_the_comparison(body):
+    """The student's other answers are compared."""
+    cells = [f"def rank(x):\n    {body}\n", FIT]
+    (found,) = pairs([code("a", cells), code("b", [*cells, "x = 1"])])
+    assert ("fit", "fit") in [names[:2] for names in found.functions()]
+    assert "return np.linalg.solve" in similarity_page("01", [found], 2)
+
+
+def test_the_compared_code_of_a_student_is_bounded(monkeypatch):
+    """What is left out is counted; two students cannot keep the grader busy for hours."""
+    monkeypatch.setattr(similarity, "MOST_COMPARED", 3)
+    monkeypatch.setattr(similarity, "MOST_NODES", 400)
+    many = [FIT.replace("def fit", f"def fit{k}") for k in range(5)]
+    assert code("a", many).left_out == 2
+    long = "def rank(x):\n    return [" + "x, " * 500 + "]"
+    assert code("a", [long, FIT]).left_out == 1
+    assert list(code("a", [long, FIT]).prints) == ["fit"]
+    assert code("a", ["#" * (similarity.MOST_PARSED + 1), FIT]).left_out == 1
+
+
 def test_the_similarity_page_marks_shared_lines_and_escapes_code():
     """The page states that similarity is evidence and not a verdict."""
     evil = FIT.replace("np.insert(points, 0", "np.insert('<script>alert(1)</script>', 0")

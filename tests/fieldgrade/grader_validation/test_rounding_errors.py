@@ -102,10 +102,13 @@ def test_verdicts_of_two_questions_do_not_depend_on_the_last_digits(question):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", SOURCES)
-def test_no_verdict_of_any_question_depends_on_the_last_digits(number):
+def test_no_verdict_of_any_question_depends_on_the_last_digits(number, monkeypatch):
+    """Three draws here; `fieldrecon course check` tries ten."""
+    monkeypatch.setattr(rounding_errors, "DRAWS", 3)
     assert not changes_under_perturbation(SOURCES[number], "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("question", "name"),
     [("01.2", "vector of a null space"), ("01.5", "rounding of zero")],
@@ -131,6 +134,7 @@ def test_the_check_command_refuses_a_misconception_that_depends_on_rounding(
     assert reported.startswith("01.5: the mistake 'rounding of zero' is judged wrong and no longer")
 
 
+@pytest.mark.slow
 def test_collinear_inputs_must_be_declared_exact(monkeypatch):
     """Otherwise the rank of collinear points changes with their last digits."""
     question = get("01.4")
@@ -231,15 +235,15 @@ def test_known_answers_that_differ_by_rounding_are_the_same():
     """Another processor does not change the file; another number or sentence does."""
     text = answers_file(SOURCES["01"])
 
-    def changed(factor, sentence=""):
+    def changed(factor, sentence='"sentence":"'):
         return re.sub(
             r'"numbers":\[(-?\d\.\d+)', lambda m: f'"numbers":[{float(m[1]) * factor}', text
-        ).replace("The constant is missing", sentence or "The constant is missing")
+        ).replace('"sentence":"', sentence)
 
     assert changed(1) != text or same_answers(text, text)
     assert same_answers(text, changed(1 + 1e-12))
     assert not same_answers(text, changed(1 + 1e-7))
-    assert not same_answers(text, changed(1, "A constant is missing"))
+    assert not same_answers(text, changed(1, '"sentence":"x'))
     assert not same_answers("{}", text)
 
 

@@ -1,5 +1,6 @@
 """Grading a class: every submission is graded once, by any executor, also after interruptions."""
 
+import errno
 import json
 import os
 import shutil
@@ -23,6 +24,7 @@ from fieldgrade.grading.batch import as_completed_in_window
 from fieldgrade.grading.grade_class import grade_class as graded
 from fieldgrade.isolation import worker_servers
 from fieldgrade.isolation.server import Limits
+from fieldrecon._core import atomic_files
 from graded_class import ROOT, STUB, TIER, checkout, ledger, points, right, run
 from submission_files import notebook, write_files
 
@@ -50,7 +52,7 @@ def test_every_submission_has_a_status_and_its_verdicts(small):
         ("dan", ""): "unreadable",
     }
     lost = {
-        (r.student, g.question): g.verdict.rung
+        (r.student, g.question): g.verdict.finding
         for r in grading.results.records
         for g in r.grades
         if g.points < g.possible
@@ -187,13 +189,13 @@ def eleven_points(seed):
 ODD = """
 _rank = rank
 def rank(points):
-    return 0 if len(points) == 11 or np.abs(points).max() > 1e7 else _rank(points)
+    return 0 if len(points) == 11 or np.ptp(points, axis=0).max() > 1e7 else _rank(points)
 """
 DYING = """
 _rank = rank
 def rank(points):
     import os
-    return {} if np.abs(points).max() < 2e3 else os._exit(3)
+    return {} if np.ptp(points, axis=0).max() < 2e3 else os._exit(3)
 """
 
 
@@ -224,6 +226,7 @@ def edited(tmp_path, monkeypatch):
         "lost": DYING.format("0"),
     }
     files = {f"{name}/01.ipynb": notebook(*right(), code) for name, code in answers.items()}
+    files["bob/01.ipynb"] = notebook(*(c for c in right() if "def rank" not in c), STUB)
     before = run(tmp_path, files, root=with_two_hidden_cases(tmp_path / "before"))
     after = replace(before, root=with_two_hidden_cases(tmp_path / "after", "1e9 * line"))
 
@@ -398,14 +401,14 @@ def gradient(coefficients, x):
 
 
 @pytest.mark.slow
-def test_a_check_that_fails_on_the_solution_is_reported_as_a_grader_fault(tmp_path):
-    """The record has the status fault, and nothing is cached: a corrected check is run again."""
+def test_a_check_that_fails_on_the_solution_is_reported_as_a_grader_failure(tmp_path):
+    """The grader failed, and nothing is cached: a corrected check is run again."""
     root = checkout(tmp_path, "01")
     file = root / "solutions" / "grading" / "01_least_squares.py"
     file.write_text(file.read_text().replace("(1e5 * line,)", "(line, line)"))
     todo = run(tmp_path, {"ada/01.ipynb": notebook(*right())}, root=root)
     (record,) = graded(todo).results.records
-    assert record.status == "fault"
+    assert record.status == "grader failed"
     assert "the solution of 01.4" in record.notes[0]
     assert [r.status for r in graded(replace(todo, root=ROOT)).results.records] == ["graded"]
 
@@ -475,6 +478,61 @@ def test_a_broken_executor_ends_the_run_without_results(tmp_path):
     assert not (todo.out / "results.json").exists()
 
 
+class LostOnce(ThreadPoolExecutor):
+    """An executor whose first worker is lost, and whose second call has an error of the grader."""
+
+    calls = 0
+
+    def submit(self, fn, *arguments):
+        self.calls += 1
+        if self.calls == 1:
+            future = Future()
+            future.set_exception(BrokenExecutor("a worker is gone"))
+            return future
+        return super().submit(fail if self.calls == 2 else fn, *arguments)
+
+
+def fail(*_):
+    raise MemoryError("in the grader")
+
+
+@pytest.mark.slow
+def test_a_lost_worker_or_an_error_of_the_grader_does_not_end_the_class(tmp_path, monkeypatch):
+    """The first submission runs again, the second one is listed, and the third one is graded."""
+    monkeypatch.setattr(worker_servers, "run_alone", lambda do, *arguments: do(*arguments))
+    files = {f"{name}/01.ipynb": notebook(*right()) for name in ("ada", "bob", "cai")}
+    found = graded(run(tmp_path, files), LostOnce(1)).results.records
+    assert [record.status for record in found] == ["graded", "grader failed", "graded"]
+    assert found[0].points == found[2].points == found[0].possible > 0
+    assert found[1].grades == ()
+    assert "in the grader" in found[1].notes[0]
+
+
+@pytest.mark.slow
+def test_a_lost_worker_is_replaced_and_a_second_loss_is_a_failure():
+    """Later submissions are graded; a submission whose worker is lost twice is not tried again."""
+    with worker_servers.worker_pool(2) as pool:
+        with pytest.raises(BrokenExecutor):
+            pool.submit(os._exit, 1).result()
+        assert pool.submit(abs, -1).result() == 1
+    with pytest.raises(GraderError, match="killed the process that graded it, twice"):
+        worker_servers.run_alone(os._exit, 1)
+
+
+@pytest.mark.slow
+def test_a_full_disk_for_results_names_the_file(tmp_path, monkeypatch):
+    """The run ends, no grade is given, and the error states where there is no room."""
+
+    def no_room(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    todo = run(tmp_path, {"ada/01.ipynb": notebook(*right())})
+    monkeypatch.setattr(atomic_files.Path, "write_bytes", no_room)
+    with pytest.raises(RuntimeError, match=r"No space left on device: '.*/(received|cache)/"):
+        graded(todo)
+    assert not (todo.out / "results.json").exists()
+
+
 # Parts of the batch
 
 
@@ -501,7 +559,7 @@ def test_only_a_window_of_submissions_is_in_memory():
 
 @pytest.mark.slow
 def test_a_failing_server_is_replaced_once():
-    """A second failure is a fault of the grader and gives no grade."""
+    """A second failure is a failure of the grader and gives no grade."""
     tried = []
 
     def do(server):

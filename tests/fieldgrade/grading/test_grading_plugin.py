@@ -1,5 +1,6 @@
 """Grading by pytest: selected items, reports, and checks that an instructor adds."""
 
+import json
 import os
 import re
 import subprocess
@@ -17,9 +18,9 @@ from fieldgrade.checking.instructor_checks import (
     InstructorCheckResult,
     apply_instructor_checks,
 )
-from fieldgrade.checking.results import Grade, Record, read_results
-from fieldgrade.grading import options
+from fieldgrade.checking.results import VERSION, Grade, Record, read_results
 from fieldgrade.grading.grade_class import grade_class as graded
+from fieldgrade.grading.run import chosen_tier
 from fieldrecon.cli import main as cli
 from graded_class import ROOT, TIER, checkout, class_files, points, right, run
 from submission_files import notebook, write_files
@@ -128,10 +129,10 @@ def test_editing_a_fixture_repeats_the_checks_that_use_it(tmp_path, calls):
 
 
 def test_an_instructors_check_that_fails_on_the_solution_deducts_nothing(tmp_path):
-    """The failure is reported as a fault of the grader."""
+    """The failure is reported as a failure of the grader."""
     unfair = CHECKS.replace("[1, 0, 0], atol", "[2, 0, 0], atol")
     grading = graded(run_with_own_checks(tmp_path, unfair))
-    assert [f for f in grading.collector.faults if "constants add fails on the solution" in f]
+    assert [f for f in grading.collector.failures if "constants add fails on the solution" in f]
     assert points(grading.results)["eve", "01.2"] == points(grading.results)["ada", "01.2"] == 3.0
 
 
@@ -176,8 +177,8 @@ def rank(points):
     assert found["odd", "01.2"].points == 3.0
 
 
-def grade(rung="right", points=3.0):
-    return Grade("01.2", points, 3.0, Verdict("01.2", rung, ""), made_by="m")
+def grade(finding="right", points=3.0):
+    return Grade("01.2", points, 3.0, Verdict("01.2", finding, ""), made_by="m")
 
 
 @pytest.mark.parametrize(
@@ -323,17 +324,27 @@ def grade_by_command(folder, *more):
 
 
 def test_the_grade_command_prints_a_summary(tmp_path, capsys):
-    """The exit status is 0 even if answers are wrong."""
+    """The exit status is 3 if submissions need the instructor, 0 if only answers are wrong."""
     run(tmp_path)
-    assert grade_by_command(tmp_path) == 0
+    assert grade_by_command(tmp_path) == 3
     printed = capsys.readouterr()
+    listed = [line.partition(":")[0] for line in printed.out.splitlines()[:4]]
+    assert listed == [
+        "2 submissions need your eyes",
+        "  not graded",
+        "  notebook does not count (1)",
+        "5 submissions, sandbox",
+    ]
+    assert "unreadable file (1): dan" in printed.out
+    for suffix in ("html", "csv"):
+        assert "dan" in (tmp_path / "out" / f"needs-your-eyes.{suffix}").read_text("utf-8")
     assert f"5 submissions, sandbox: {TIER}; 4 graded, 1 unreadable" in printed.out
     assert "dan, 01.ipynb: the file is not a complete notebook" in printed.out
     assert str(tmp_path / "out" / "results.json") in printed.out
     assert "fieldrecon course feedback" in printed.out
     assert "There is no secret salt" in printed.err
     assert "Traceback" not in printed.err
-    assert grade_by_command(tmp_path, "--student", "ada", "--only", "02", "--diff") == 0
+    assert grade_by_command(tmp_path, "--student", "ada", "--only", "02", "--diff") == 3
     printed = capsys.readouterr().out
     assert "1 submission," in printed
     assert "4 submissions of earlier runs are unchanged" in printed
@@ -346,7 +357,7 @@ def test_control_characters_in_file_names_are_not_printed(tmp_path, capsys):
     files = {odd: notebook(*right()), "zoe/01.ipynb": notebook(*right()), "\x1b]0;.ipynb": b"{"}
     run(tmp_path, files)
     report = f"--pytest=-v --junit-xml={tmp_path / 'junit.xml'}"
-    assert grade_by_command(tmp_path, report) == 0
+    assert grade_by_command(tmp_path, report) == 3
     printed = capsys.readouterr()
     assert "2 graded, 1 unreadable" in printed.out
     assert "\x1b" not in printed.out + printed.err
@@ -361,7 +372,17 @@ def test_a_grader_fault_gives_exit_status_1(tmp_path, capsys):
     file.write_text(file.read_text().replace("(1e5 * line,)", "(line, line)"))
     run(tmp_path, {"ada/01.ipynb": notebook(*right())})
     assert grade_by_command(tmp_path, "--root", str(root)) == 1
-    assert "1 fault" in capsys.readouterr().out
+    printed = capsys.readouterr()
+    assert "1 submission needs your eyes" in printed.out
+    assert "run the same command again: what is graded is kept" in printed.err
+
+
+def test_wrong_answers_alone_give_exit_status_0(tmp_path, capsys):
+    """Nothing needs the instructor: the list is empty, and the files say so."""
+    run(tmp_path, {"bob/01.ipynb": notebook(*right()[:2])})
+    assert grade_by_command(tmp_path) == 0
+    assert capsys.readouterr().out.startswith("No submission needs your eyes.\n1 submission, ")
+    assert "No submission needs" in (tmp_path / "out" / "needs-your-eyes.html").read_text("utf-8")
 
 
 @pytest.mark.parametrize(
@@ -385,6 +406,22 @@ def test_invalid_options_of_the_grade_command_are_reported(tmp_path, capsys, mor
     assert message in capsys.readouterr().err
 
 
+def test_results_of_another_version_are_refused_before_grading(tmp_path, capsys):
+    """A folder that the version before began is kept as it is, and the message says what to do."""
+    run(tmp_path, {"ada/01.ipynb": notebook(*right())})
+    old = json.dumps({"format": "fieldrecon results", "version": VERSION - 1, "records": []})
+    write_files(tmp_path / "out", {"results.json": old.encode()})
+    assert grade_by_command(tmp_path) == 2
+    printed = capsys.readouterr().err
+    other = f"the results have version {VERSION - 1}, and this program reads version {VERSION}"
+    assert f"results.json: {other}" in printed
+    assert (
+        "Grade all submissions again into a new folder: fieldrecon grade DIR --out NEW" in printed
+    )
+    assert [file.name for file in (tmp_path / "out").iterdir()] == ["results.json"]
+    assert (tmp_path / "out" / "results.json").read_text() == old
+
+
 def test_errors_in_the_tables_of_a_class_are_reported_with_their_lines(tmp_path, capsys):
     """They are reported before any submission is run."""
     run(tmp_path, {"ada/01.ipynb": notebook(*right())})
@@ -398,8 +435,8 @@ def test_errors_in_the_tables_of_a_class_are_reported_with_their_lines(tmp_path,
 def test_grading_without_a_sandbox_warns_or_is_refused(monkeypatch):
     """The option require_isolation decides."""
     monkeypatch.setattr("fieldgrade.grading.run.tiers", lambda: ("none",))
-    assert options.chosen_tier()[1].startswith("NOT ISOLATED")
+    assert chosen_tier()[1].startswith("NOT ISOLATED")
     with pytest.raises(ValueError, match="neither bubblewrap nor Landlock"):
-        options.chosen_tier(require_isolation=True)
+        chosen_tier(require_isolation=True)
     with pytest.raises(ValueError, match="bubblewrap does not work on this machine"):
-        options.chosen_tier("bubblewrap")
+        chosen_tier("bubblewrap")

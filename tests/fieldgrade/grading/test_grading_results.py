@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from checkout import ROOT
 from fieldcheck.verdict import Verdict
 from fieldgrade.checking.results import (
     STATUSES,
@@ -19,13 +20,16 @@ from fieldgrade.checking.results import (
     to_json,
     write_results,
 )
+from fieldgrade.class_folder.roster import Student
+from fieldgrade.grading.run import Choice, GradingRun
+from fieldgrade.submissions.collection import ReceivedFile
 from fieldrecon._core.atomic_files import write_atomically
 
 DIGEST, OTHER = "a" * 64, "b" * 64
 
 
-def grade(question="01.1", points=1.0, rung="right", **more):
-    return Grade(question, points, 2.0, Verdict(question, rung, "A sentence."), **more)
+def grade(question="01.1", points=1.0, finding="right", **more):
+    return Grade(question, points, 2.0, Verdict(question, finding, "A sentence."), **more)
 
 
 def record(student="ada", digest=DIGEST, notebook="01", status="graded", grades=(), **more):
@@ -64,7 +68,16 @@ FULL = Results(
         record("bob", "", "", "unreadable", file="\udce4.ipynb"),
     ),
     ({"student": "ada", "name": "Ada"},),
-    ({"question": "01.1", "notebook": "01", "kind": "code", "function": "f", "points": 2.0},),
+    (
+        {
+            "question": "01.1",
+            "notebook": "01",
+            "kind": "code",
+            "function": "f",
+            "title": "The matrix",
+            "points": 2.0,
+        },
+    ),
     True,
     "e",
     "g",
@@ -111,12 +124,14 @@ def test_results_that_violate_the_schema_are_refused(tmp_path, place, value, mes
     [
         ("{}", "not a file of results"),
         ("[1]", "not a file of results"),
-        ('{"format": "fieldrecon results", "version": 2}', "version 2; version 1 is known"),
+        ('{"format": "fieldrecon results", "version": 1}', "version 1, and .* version 3"),
+        ('{"format": "fieldrecon results", "version": 4}', "version 4.*into a new folder"),
+        ('{"format": "fieldrecon results"}', "version None"),
         ("{", "results.json: "),
     ],
 )
 def test_files_that_are_not_results_are_refused(tmp_path, text, message):
-    """Results of a later version are refused with their version number."""
+    """Results of another version are refused, with what to do about it."""
     file = tmp_path / "results.json"
     file.write_text(text)
     with pytest.raises(ValueError, match=message):
@@ -198,3 +213,14 @@ def test_merging_drops_an_unreadable_record_once_the_file_is_readable():
     torn = record(notebook="", status="unreadable")
     other = record(notebook="", status="unreadable", file="b.ipynb")
     assert merged([torn, other], [record()]) == ordered([record(), other])
+
+
+def test_a_stranger_disappears_once_the_roster_names_the_student():
+    """Only if the same file now belongs to a student; a run for one student drops nobody."""
+    strangers = [record("dahlcai"), record("elsewhere", OTHER), record("still a stranger")]
+    cai, twin = (ReceivedFile(who, "a.ipynb", DIGEST) for who in ("cai", "still a stranger"))
+    for choice, gone in ((Choice(student="cai"), set()), (Choice(), {"dahlcai"})):
+        run = GradingRun(Path(), Path(), ROOT, choice=choice)
+        run.__dict__.update(roster={"cai": Student("cai")}, taken=([cai, twin], []))
+        kept = run._without_assigned([*strangers, record("cai")])
+        assert {r.student for r in kept} == {"cai", *(r.student for r in strangers)} - gone

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from fieldcheck.calls import Call
-from fieldgrade.isolation import file_access, session
-from fieldgrade.isolation.server import MEBIBYTE, Limits, Server, tiers
+from fieldgrade.isolation import file_access, process, session
+from fieldgrade.isolation.server import MEBIBYTE, Limits, MachineFailed, Server, tiers
 from fieldgrade.isolation.session import CallGroup, run
 from fieldgrade.sandbox import frames
 
@@ -56,7 +56,8 @@ for number in range(3, 64):
         os.close(number)
     except OSError:
         pass
-time.sleep(9999)
+else:
+    time.sleep(9999)
 """
 
 
@@ -116,7 +117,7 @@ def test_a_cell_that_crashes_is_left_out(server, code, reason, sentence):
     assert list(log.cell_errors) == [1]
     assert len(log.processes) == 2
     assert log.killed == [reason]
-    assert re.search(sentence, log.cell_errors[1])
+    assert re.search(sentence, log.cell_errors[1].error)
 
 
 @pytest.mark.slow
@@ -126,7 +127,17 @@ def test_a_cell_that_exceeds_its_time_limit_is_left_out(hasty):
     outcomes, log = run(hasty(seconds_per_cell=3.0), [DOUBLE, sleep], [task()])
     assert statuses(outcomes) == {"double": ["returned"]}
     assert log.killed == ["time"]
-    assert "stopped after 3 seconds" in log.cell_errors[1]
+    assert "stopped after 3 seconds" in log.cell_errors[1].error
+
+
+def test_a_stub_is_passed_over_below_an_answer_only(server):
+    """A function of a library is not an answer, and a later answer replaces a stub."""
+    stub = "def {}(x):\n    raise NotImplementedError"
+    cells = [stub.format("double"), DOUBLE, stub.format("double")]
+    cells += ["from numpy import *", stub.format("gradient"), stub.format("gradient")]
+    outcomes, log = run(server, cells, [task(), task("gradient", "gradient")])
+    assert statuses(outcomes) == {"double": ["returned"], "gradient": ["unwritten"]}
+    assert log.stubs == ["double"]
 
 
 def test_a_call_that_crashes_affects_its_question_only(server):
@@ -149,6 +160,22 @@ def test_a_call_that_crashes_affects_its_question_only(server):
     }
     assert log.broke == {"2 a": "exit"}
     assert len(log.processes) == 2
+
+
+@pytest.mark.slow
+def test_the_memory_of_the_grader_for_returned_values_is_limited(server, monkeypatch):
+    """Groups share room for large values; each has its own room for values of ordinary size."""
+    monkeypatch.setattr(session, "KEPT_OF_EACH_GROUP", 1000)
+    monkeypatch.setattr(session, "KEPT_OF_ALL", 2000)
+    large = "import numpy as np\ndef large(x):\n    return np.ones(200)"
+    tasks = [task("a", "large", 2), task("b", "large"), task("c", count=40)]
+    outcomes, _ = run(server, [DOUBLE, large], tasks)
+    assert statuses(outcomes) == {
+        "a": ["returned", "raised"],
+        "b": ["returned"],
+        "c": ["returned"] * 40,
+    }
+    assert outcomes["a"][1].error == process.TOO_LARGE
 
 
 @pytest.mark.slow
@@ -177,9 +204,28 @@ def test_sending_to_a_process_that_does_not_read_times_out(hasty):
     assert log.killed == ["time"]
 
 
-def test_a_submission_with_too_many_crashes_is_abandoned(server):
+def test_after_too_many_crashes_only_what_the_answers_need_is_run(server):
+    """The crashes of other cells, also of those that assign something, cost no answer."""
+    cells = ["import os", *["x = os._exit(1)"] * 10]
+    outcomes, log = run(server, [*cells, DOUBLE], [task()])
+    assert statuses(outcomes) == {"double": ["returned"]}
+    assert log.needed_only
+    assert len(log.processes) == LIMITS.most_starts // 2 + 1
+
+
+@pytest.mark.slow
+def test_after_half_of_the_time_only_what_the_answers_need_is_run(hasty):
+    """No cell is at fault: together they take longer than a submission may."""
+    slow = [f"done_{k} = 1\nimport time; time.sleep(0.5)" for k in range(60)]
+    outcomes, log = run(hasty(seconds_in_all=8.0), [*slow, DOUBLE], [task()])
+    assert statuses(outcomes) == {"double": ["returned"]}
+    assert log.needed_only
+    assert log.cell_errors == {}
+
+
+def test_a_submission_whose_answers_need_too_many_crashes_is_abandoned(server):
     """The number of process starts is limited."""
-    cells = ["import os; os._exit(1)"] * 10
+    cells = ["import os", *["double = os._exit(1)"] * 10]
     outcomes, log = run(server, [*cells, DOUBLE], [task()])
     assert statuses(outcomes) == {"double": ["raised"]}
     assert "too often to continue" in outcomes["double"][0].error
@@ -203,9 +249,22 @@ if sys.platform == "linux":
         """Background threads use up the processor time while the cell sleeps."""
         _, log = run(hasty(most_starts=1), [BUSY, "import time; time.sleep(9999)"], [task()])
         assert log.killed == ["time"]
-        assert "processor time" in " ".join(log.cell_errors.values())
+        assert "processor time" in " ".join(map(str, log.cell_errors.values()))
 
 
+def test_a_failure_of_the_machine_gives_no_outcome(server, monkeypatch):
+    """The system kills the process, or the server reports a failure; the submission runs again."""
+    real = Server.end
+    for change in ({"killed": False, "signal": 9}, {"machine": "the system killed: no memory"}):
+        with monkeypatch.context() as patch:
+            patch.setattr(Server, "end", lambda s, p=False, c=change: replace(real(s, p), **c))
+            with pytest.raises(MachineFailed, match="the system killed"):
+                run(server, [DOUBLE], [task()])
+    outcomes, _ = run(server, [DOUBLE], [task()])
+    assert statuses(outcomes) == {"double": ["returned"]}
+
+
+@pytest.mark.slow
 def test_a_killed_server_is_restarted(server):
     """The submission is graded by the new server."""
     before = server._process.pid
@@ -219,6 +278,7 @@ def test_a_killed_server_is_restarted(server):
 
 if sys.platform == "linux":
 
+    @pytest.mark.slow
     def test_a_server_that_is_killed_during_a_run_is_restarted(server):
         """The interrupted work is repeated."""
         to_it, from_it = server.run()
@@ -229,7 +289,7 @@ if sys.platform == "linux":
             frames.receive(from_it, time.monotonic() + 600)
         os.close(to_it)
         os.close(from_it)
-        assert server.end().ended_for == "server"
+        assert "server ended" in server.end().machine
         outcomes, _ = run(server, [DOUBLE], [task()])
         assert statuses(outcomes) == {"double": ["returned"]}
 
@@ -254,26 +314,27 @@ def double(x):
     assert len(log.processes) == 2
 
 
-def test_a_process_that_does_not_start_is_a_grader_fault(monkeypatch):
+@pytest.mark.slow
+def test_a_process_that_does_not_start_is_a_grader_failure(monkeypatch):
     """A defect of the machine does not cost a student points."""
     with Server("none", LIMITS).started() as bare:
-        monkeypatch.setattr(session, "SECONDS_TO_START", 0.0)
-        with pytest.raises(session.NotStarted, match=r"no process starts in the sandbox \(none\)"):
+        monkeypatch.setattr(process, "SECONDS_TO_START", 0.0)
+        with pytest.raises(process.NotStarted, match=r"no process starts in the sandbox \(none\)"):
             run(bare, [DOUBLE], [task()])
 
 
-def test_a_server_that_does_not_start_is_a_grader_fault(monkeypatch):
+def test_a_server_that_does_not_start_is_a_grader_failure(monkeypatch):
     """The error is raised, and no folder is left behind."""
     monkeypatch.setattr(file_access.SandboxFolders, "python", lambda _: ["false"])
     made = Server("none", LIMITS)
     with pytest.raises(RuntimeError, match=r"\(none\) does not start"), made.started():
         raise AssertionError
-    assert not made._scratch.exists()
+    assert not made._scratch.folder.exists()
 
 
 def test_text_from_submissions_is_shortened_and_stripped_of_control_characters():
     """Text that can be printed is kept, and objects that are not text are dropped."""
-    assert session._text("caf\u00e9\nok") == "caf\u00e9\nok"
-    assert session._text("\x1b[2J\ud800\0") == "\ufffd[2J\ufffd\ufffd"
-    assert len(session._text("x" * 10**6)) == session.MOST_TEXT
-    assert session._text(["x"]) == session._text(None) == ""
+    assert process.as_text("caf\u00e9\nok") == "caf\u00e9\nok"
+    assert process.as_text("\x1b[2J\ud800\0") == "\ufffd[2J\ufffd\ufffd"
+    assert len(process.as_text("x" * 10**6)) == process.MOST_TEXT
+    assert process.as_text(["x"]) == process.as_text(None) == ""

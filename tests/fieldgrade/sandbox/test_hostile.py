@@ -164,6 +164,7 @@ data_of = st.sampled_from(
 # --- laws -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @hostile
 @given(st.data())
 def test_every_method_answers_or_refuses_any_query(data):
@@ -193,6 +194,7 @@ def test_every_method_answers_or_refuses_any_query(data):
         answer_or_none(lambda: m.objective(f, x, normalized=True))
 
 
+@pytest.mark.slow
 @hostile
 @given(st.data())
 def test_constants_are_reproduced_wherever_there_is_an_answer(data):
@@ -209,6 +211,7 @@ def test_constants_are_reproduced_wherever_there_is_an_answer(data):
         assert_close(value, np.full(len(x), 3.0), 1e-6)
 
 
+@pytest.mark.slow
 @hostile
 @given(st.data())
 def test_an_interpolant_reproduces_its_data_or_is_refused(data):

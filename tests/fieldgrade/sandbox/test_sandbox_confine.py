@@ -58,6 +58,12 @@ def fork():
         os._exit(0)
 
 
+def look_at_the_parent():
+    found = ctypes.CDLL(None).sched_getscheduler(os.getppid())
+    if found < 0:
+        raise PermissionError
+
+
 def program():
     try:
         os.execv("/no such program", ["program"])
@@ -98,9 +104,19 @@ FORBIDDEN = {
     "limits of others": lambda: resource.prlimit(os.getppid(), resource.RLIMIT_CPU),
     "signals for files": lambda: fcntl.fcntl(0, fcntl.F_SETOWN, os.getpid()),
     "to watch files": lambda: libc("inotify_init"),
+    "a lease": lambda: fcntl.fcntl(os.open("file", os.O_RDONLY), fcntl.F_SETLEASE, fcntl.F_RDLCK),
+    "a larger pipe": lambda: fcntl.fcntl(os.pipe()[0], fcntl.F_SETPIPE_SZ, 1 << 17),
+    "less processor time": lambda: libc("setrlimit", 0, (ctypes.c_long * 2)(99, 99)),
+    "the load of the machine": lambda: libc("sysinfo", ctypes.create_string_buffer(200)),
+    "the scheduler of the parent": look_at_the_parent,
     "to watch another process": lambda: os.close(os.pidfd_open(os.getppid())),
 }
 ALLOWED = {
+    "locks": lambda: [fcntl.flock(os.open("file", 0), fcntl.LOCK_EX) for _ in range(2)],
+    "locks of parts": lambda: fcntl.lockf(os.open("file", os.O_RDWR), fcntl.LOCK_EX, 1),
+    "other limits of its own": lambda: resource.setrlimit(resource.RLIMIT_AS, (1 << 40, 1 << 40)),
+    "its processors": lambda: os.sched_getaffinity(0),
+    "its processor time": time.process_time,
     "threads": lambda: [t.start() or t.join() for t in [threading.Thread(target=len, args=("",))]],
     "files": lambda: Path("other").write_text("x"),
     "folders": lambda: Path("folder").mkdir(),
@@ -275,6 +291,7 @@ if LANDLOCK:
             assert in_a_child(fenced, send) == "PermissionError"
 
 
+@pytest.mark.slow
 def test_resource_limits_are_enforced(folder):
     """Memory, file size and open files are limited; without the limits each attempt succeeds."""
 

@@ -89,6 +89,7 @@ ENTRY = st.recursive(
 )
 
 
+@pytest.mark.slow
 @quickly
 @given(ENTRY, st.binary(max_size=64))
 def test_a_head_that_misdescribes_its_arrays_is_refused(head_received, body):

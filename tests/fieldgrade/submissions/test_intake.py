@@ -13,13 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_unpack import encrypted, link
 
-from fieldcheck.questions import questions
-from fieldgrade.checking import grade_submission
 from fieldgrade.class_folder.roster import Student
-from fieldgrade.submissions import collection
+from fieldgrade.submissions import collection, helper_files
 from fieldgrade.submissions.archive import Archive
 from fieldgrade.submissions.intake import Intake
-from submission_files import ANSWER, FUNCTIONS, STUB, code, notebook, packed, write_files
+from submission_files import ANSWER, FUNCTIONS, notebook, packed, write_files
 
 RIGHT, OTHER = notebook(ANSWER), notebook("x = 2", ANSWER)
 SECOND = notebook("def weights(x): return x\ndef field(x): return x")
@@ -246,14 +244,12 @@ def test_a_notebook_has_precedence_over_a_script(tmp_path):
 
 
 def test_two_notebooks_of_a_student_are_both_graded(tmp_path):
-    """Files that are not notebooks are reported with the first of them."""
+    """Files that are not notebooks are reported with the first of them; both can use them."""
     files = {"s1/a.ipynb": RIGHT, "s1/b.ipynb": SECOND, "s1/report.pdf": b"%PDF", "s1/x.py": b"1"}
     handed = take(tmp_path, files)
     assert graded_files(handed) == {("s1", "01"): "a.ipynb", ("s1", "02"): "b.ipynb"}
-    assert handed[0].notes == (
-        "x.py is not graded: it defines none of the functions that are asked for",
-        "report.pdf is not graded: it is not a notebook",
-    )
+    assert handed[0].notes == ("report.pdf is not graded: it is not a notebook",)
+    assert [[path for path, _ in file.helpers] for file in handed] == [["report.pdf", "x.py"]] * 2
 
 
 def test_a_damaged_notebook_beside_an_intact_one_is_reported(tmp_path):
@@ -450,18 +446,94 @@ def test_a_notebook_in_place_of_a_class_is_refused(tmp_path):
         intake(tmp_path).take(write_files(tmp_path, {"a.ipynb": RIGHT}) / "a.ipynb")
 
 
-def test_a_stub_after_an_answer_is_reported(tmp_path):
-    """The stub replaces the answer when the notebook runs, whatever ids and metadata say."""
-    answer, copy = (code(text, id="q-01-2") for text in (ANSWER, STUB))
-    stale, fresh = notebook(answer, copy), notebook(copy, answer)
-    handed = take(tmp_path, {"s1/01.ipynb": stale, "s2/01.ipynb": fresh})
-    notes = [list(_notes_on(h, Archive(tmp_path / "received"))) for h in handed]
-    assert notes == [["01.2: a stub is defined after an answer and replaces it"], []]
+def test_helper_files_come_with_the_notebook_of_the_same_student(tmp_path):
+    """Their paths are those from its folder; they are not reported as files without an answer."""
+    ours = {"hw/01.ipynb": RIGHT, "hw/lib/bases.py": b"B = 1", "helper-1.py": b"H = 1"}
+    files = {
+        "s1/all.zip": packed(ours),
+        "s1/notes.txt": b"x",
+        "s2/01.ipynb": notebook(ANSWER, "import helper"),
+        "s3/01.ipynb": RIGHT,
+        "s3/mine.py": ANSWER.encode(),
+        "s3/large.py": b"#" * (helper_files.MOST_BYTES + 1),
+    }
+    one, two, three = take(tmp_path, files)
+    archive = Archive(tmp_path / "received")
+
+    def helpers(file):
+        return dict(file.submission(archive).files())
+
+    assert helpers(one) == {"helper.py": b"H = 1", "lib/bases.py": b"B = 1", "notes.txt": b"x"}
+    assert [note.partition(" ")[0] for note in one.notes] == ["notes.txt"]
+    assert helpers(two) == {}
+    assert helpers(three) == {"mine.py": ANSWER.encode()}
+    assert three.notes[-1] == helper_files.TOO_LARGE.format("large.py")
+    digests = {file.submission(archive).code_digest for file in (one, three)}
+    assert len(digests) == 2
 
 
-def _notes_on(handed, archive):
-    fit = [question for question in questions().values() if question.name == "01.2"]
-    return grade_submission._notes(handed.submission(archive), fit, {})
+def test_a_script_that_a_notebook_imports_is_not_graded_by_itself(tmp_path):
+    """It may define functions that another notebook asks for; a script of its own is graded."""
+    mine = b"def gradient(c, x):\n    return c\n"
+    second = notebook("from mine import gradient", "def weights(p, x): return p")
+    files = {"s1/02.ipynb": second, "s1/mine.py": mine, "s2/02.ipynb": second, "s2/own.py": mine}
+    handed = take(tmp_path, files)
+    assert graded_files(handed) == {
+        ("s1", "02"): "02.ipynb",
+        ("s2", "01"): "own.py",
+        ("s2", "02"): "02.ipynb",
+    }
+    assert [path for path, _ in handed[0].helpers] == ["mine.py"]
+
+
+def test_data_files_come_with_the_notebook_that_names_them(tmp_path):
+    """Others are there too, and are reported as files that are not graded."""
+    reads = notebook(ANSWER, "np.loadtxt('in/wind.csv'); open('large.bin'); open('a.txt')")
+    files = {
+        "s1/hw/01.ipynb": reads,
+        "s1/hw/in/wind.csv": b"1",
+        "s1/large.bin": bytes(helper_files.MOST_BYTES - 2),
+        "s1/a-1.txt": b"2",
+        "s1/photo.png": b"3",
+        "s1/hw/02.ipynb": b"{}",
+        "s2/01.ipynb": reads,
+    }
+    one, *_, two = take(tmp_path, files)
+    paths = {"in/wind.csv", "wind.csv", "a-1.txt", "a.txt", "photo.png"}
+    assert {path for path, _ in one.helpers} == paths
+    assert one.notes == (
+        helper_files.TOO_LARGE.format("large.bin"),
+        "photo.png is not graded: it is not a notebook",
+    )
+    assert two.helpers == ()
+
+
+def test_the_number_of_helper_files_is_limited_before_they_are_read(tmp_path):
+    """Python files and small files come first; other names of a file have no precedence."""
+    reads = notebook(ANSWER, "open(f'{k}.csv')")
+    files = {f"s1/d/{k:03}.csv": b"x" * k for k in range(helper_files.MOST_FILES + 9)}
+    (one,) = take(tmp_path, {**files, "s1/01.ipynb": reads, "s1/h.py": b"#" * 999})
+    chosen = {path for path, _ in one.helpers}
+    assert chosen == {"h.py", *(f"d/{k:03}.csv" for k in range(helper_files.MOST_FILES - 1))}
+
+
+@pytest.mark.parametrize("name", ["../up.py", "a/../../up.py", "/up.py", "x y.py", "1.py"])
+def test_a_helper_file_has_a_path_that_can_be_imported(name):
+    """No path leads out of the folder of the notebook."""
+    assert helper_files.paths_beside(name, "01.ipynb") in ([], ["up.py"])
+
+
+@pytest.mark.parametrize(
+    "name", ["../up.csv", "a/../../up.csv", "a/\0.csv", "a/\n", "x" * 300, "b.IPYNB", "c.zip", ""]
+)
+def test_a_data_file_has_a_path_beside_the_notebook(name):
+    """No path leads out of its folder, and no name is longer than a file system permits."""
+    assert helper_files.paths_beside(name, "01.ipynb") == []
+
+
+def test_paths_of_many_folders_are_cut_to_the_name():
+    assert helper_files.paths_beside("a/" * 9 + "x.csv", "01.ipynb") == ["x.csv"]
+    assert helper_files.paths_beside("/up.csv", "01.ipynb") == ["up.csv"]
 
 
 names = st.text(st.characters(exclude_characters="/\0", codec="utf-8"), min_size=1, max_size=30)

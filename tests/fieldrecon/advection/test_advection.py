@@ -222,6 +222,7 @@ def test_the_error_has_the_order_of_the_scheme_in_the_step(scheme):
     assert abs(slope(1 / steps, np.array(errors)) - ORDERS[scheme]) < 0.3
 
 
+@pytest.mark.slow
 def test_the_error_has_more_than_third_order_in_the_spacing():
     """With r³, linear polynomials and accurate departure points the order is nearly four."""
     counts, errors = np.array([300, 700, 1600]), []

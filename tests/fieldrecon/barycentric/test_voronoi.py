@@ -221,6 +221,7 @@ def test_cocircular_points_give_one_corner():
 # --- many cells at once -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("d", [2, 3])
 def test_voronoi_weights_equal_those_of_single_cells(d):
     """Queries are vertices, points near them, corners of cells and points outside."""

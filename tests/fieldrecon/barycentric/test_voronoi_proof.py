@@ -130,6 +130,7 @@ def test_the_claims_are_proved(claim, d):
     assert vanishes(claim(d))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("d", DIMENSIONS)
 @pytest.mark.parametrize(
     "mutant",

@@ -52,6 +52,7 @@ def test_an_error_has_status_1_and_is_named(folder, capsys, error):
     assert {*written["indices"]} == {*PLANTED[error].found}
 
 
+@pytest.mark.slow
 def test_a_repair_is_written_and_audited_again(folder, capsys):
     """The exit status is that of the repaired mesh, not of the mesh that was read."""
     write_triangles("bad.stl", *damaged(2, 1, seed=0))
@@ -72,6 +73,7 @@ def test_a_boundary_may_be_allowed(folder, capsys):
     assert "boundary loops" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_json_is_the_only_output(folder, capsys):
     """With --json standard output is one JSON document, with or without a repair."""
     write_triangles(folder / "hole.ply", *PLANTED["hole"].surface)
@@ -83,6 +85,7 @@ def test_json_is_the_only_output(folder, capsys):
     assert printed["left"]["clean"]
 
 
+@pytest.mark.slow
 def test_tolerance_decides_which_vertices_coincide(folder, capsys):
     """A seam open by 1e-6 is reported for a tolerance of 1e-5 and not for a tolerance of zero."""
     points, triangles = PLANTED["duplicate vertex"].surface

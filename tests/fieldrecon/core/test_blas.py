@@ -108,6 +108,7 @@ def start_with_many_threads():
     threadpool_limits(MANY)
 
 
+@pytest.mark.slow
 def test_worker_processes_use_one_blas_thread():
     """In a process pool BLAS has one thread during the work and the old number afterwards."""
     spawn = multiprocessing.get_context("spawn")

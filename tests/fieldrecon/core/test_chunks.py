@@ -37,6 +37,16 @@ def test_chunks_cover_the_rows_in_order(rows):
     np.testing.assert_array_equal(np.concatenate([r for _, r in parts]), 2 * X)
 
 
+@pytest.mark.parametrize("rows", [1, 3, 11])
+def test_chunks_follow_an_order(rows):
+    """A slice of the order has the results of the rows that it names."""
+    order = np.roll(np.arange(10)[::-1], 4)
+    result = np.empty_like(X)
+    for part, values in chunked(double, X, rows, order=order):
+        result[order[part]] = values
+    np.testing.assert_array_equal(result, 2 * X)
+
+
 def test_zero_rows_give_zero_chunks():
     """The work function is not called."""
     assert list(chunked(double, X[:0], 3)) == []
@@ -183,6 +193,7 @@ class Pickled:
         return {}
 
 
+@pytest.mark.slow
 def test_the_work_is_pickled_once(tmp_path, monkeypatch):
     """The work may hold millions of sites, so it is sent once, not with every chunk.
 
@@ -230,10 +241,15 @@ def test_blas_has_one_thread_while_chunks_run():
 def test_memory_stays_bounded(make):
     """The peak is below 1.5 times input, output and one chunk, for any number of queries."""
     p = np.random.default_rng(1).random((600, 2))
-    s = make(p).field(np.cos(p @ [3.0, 2.0]))
+    m = make(p)
+    s = m.field(np.cos(p @ [3.0, 2.0]))
     x = np.random.default_rng(2).random((40_000, 2))
+
+    def adjoint(x: np.ndarray, executor: Executor) -> np.ndarray:
+        return m.adjoint(x, x[:, 0], executor=executor)
+
     with ThreadPoolExecutor(1) as executor:
-        for evaluate in (s, s.gradient):
+        for evaluate in (s, s.gradient, adjoint):
             evaluate(x[:10], executor=executor)
             tracemalloc.start()
             result = evaluate(x, executor=executor)

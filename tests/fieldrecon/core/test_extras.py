@@ -21,7 +21,17 @@ PROJECT, COURSE = (
     for folder in (".", "src")
 )
 EXTRAS = COURSE["optional-dependencies"] | PROJECT["optional-dependencies"]
-OF_USERS = ("pictures", "mesh", "surface", "parquet", "dask", "report", "grade")
+OF_USERS = (
+    "pictures",
+    "mesh",
+    "surface",
+    "parquet",
+    "frames",
+    "crs",
+    "dask",
+    "report",
+    "grade",
+)
 OURS = {"fieldcheck", "fieldgrade", "fieldrecon", "fieldreport"}
 CORNERS = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
 
@@ -170,6 +180,7 @@ def folder(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_reconstruct_works_without_extras(folder):
     """Values and page are written; one sentence says that no picture was drawn."""
     options = ["--method", "tps", "--grid", "4x3", "--out", "field.csv"]
@@ -180,6 +191,7 @@ def test_reconstruct_works_without_extras(folder):
     assert re.fullmatch(r"fieldrecon: no picture was drawn: .* 'pictures': pip.*\n", done.stderr)
 
 
+@pytest.mark.slow
 def test_audit_works_without_extras(folder):
     """Findings and the repaired mesh are written.
 

@@ -37,6 +37,7 @@ LOCAL = fr.MovingLeastSquares(PLANE, wendland(3, 2, 3.0))
 SMOOTH = fr.RBF(PLANE, polyharmonic(3))
 FITTED = fr.LeastSquares(PLANE)
 SPLINE = fr.NaturalCubicSpline(LINE)
+UNITS = fr.methods.to_unit(DEGREES)
 GLOBE = fr.OnGlobe(DEGREES, partial(fr.RBF, kernel=polyharmonic(1)))
 BALL, TORUS = fr.solids.Ball(1.0), fr.solids.Torus(1.0, 0.3)
 SOUP = fr.surfaces.PolygonSoup(CORNERS, TETRAHEDRON)
@@ -101,6 +102,14 @@ CALLS: dict[str, Call] = {
         {"points": DEGREES},
     ),
     "OnGlobe.field": (GLOBE.field, {"values": VALUES}),
+    "OnTangentPlane": (
+        partial(fr.methods.OnTangentPlane, method=fr.LeastSquares),
+        {"points": UNITS, "pole": UNITS[0]},
+    ),
+    "OnTangentPlane.field": (
+        fr.methods.OnTangentPlane(UNITS, fr.LeastSquares).field,
+        {"values": VALUES},
+    ),
     "PartitionOfUnityRBF": (
         fr.PartitionOfUnityRBF,
         {"points": PLANE, "smoothing": np.ones(N), "metric": np.eye(2)},
@@ -263,8 +272,27 @@ CALLS: dict[str, Call] = {
     "semi_lagrangian": (states, {"values": VALUES, "times": np.arange(3) / 10}),
     "leave_one_out": (partial(fr.leave_one_out, FITTED), {"values": VALUES}),
     "extrapolated": (fr.selection.extrapolated, {"points": PLANE, "x": PLANE}),
-    "CrossValidator.of": (fr.selection.CrossValidator.of, {"points": PLANE, "values": VALUES}),
-    "ErrorEstimate": (fr.selection.ErrorEstimate, {"points": PLANE, "residuals": VALUES}),
+    "CrossValidator.of": (
+        fr.selection.CrossValidator.of,
+        {"points": PLANE, "values": VALUES, "x": PLANE, "variances": np.ones(N)},
+    ),
+    "distance_matched_folds": (
+        fr.selection.distance_matched_folds,
+        {"points": PLANE, "x": PLANE},
+    ),
+    "held_out_distances": (
+        partial(fr.selection.held_out_distances, folds=[fr.selection.Fold([0], [1, 2])]),
+        {"points": PLANE},
+    ),
+    "nearest_neighbor_distances": (
+        fr.selection.nearest_neighbor_distances,
+        {"points": PLANE, "x": PLANE},
+    ),
+    "wasserstein_distance": (fr.selection.wasserstein_distance, {"a": VALUES, "b": VALUES}),
+    "ErrorBand": (
+        partial(fr.selection.ErrorBand, folds=[fr.selection.Fold([0], [1, 2])]),
+        {"points": PLANE, "residuals": VALUES[:1], "own_residuals": VALUES},
+    ),
     "AnalyticField.__call__": (fr.datasets.franke, {"x": PLANE}),
     "block_means": (
         partial(fr.pipelines.block_means, count=3),

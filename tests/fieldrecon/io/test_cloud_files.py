@@ -159,3 +159,9 @@ def test_bad_clouds_are_refused(tmp_path, name, content, words):
 def test_a_missing_file_raises_file_not_found_error(tmp_path):
     with pytest.raises(FileNotFoundError):
         read_cloud(tmp_path / "none.ply")
+
+
+def test_a_strip_of_two_points_has_no_triangle(tmp_path):
+    path = tmp_path / "cloud.ply"
+    path.write_bytes(ply("ascii", strip=[0, 1]))
+    assert read_cloud(path).triangles.shape == (0, 3)

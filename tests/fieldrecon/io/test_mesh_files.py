@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from fieldrecon.io.meshes import read_mesh, read_mesh_and_data, read_surface, write_mesh
+from fieldrecon.io.ply import read_ply
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 
 WITH_DATA = [".vtk", ".vtu", ".msh"]
@@ -232,3 +233,19 @@ def test_without_meshio_the_install_command_is_shown(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "meshio.vtk", None)
     with pytest.raises(ImportError, match=r"meshio is not .* the extra 'mesh': pip install "):
         read_mesh(tmp_path / "mesh.vtk")
+
+
+def test_data_of_triangles_and_quadrilaterals_in_one_list_are_parted(tmp_path):
+    """A PLY file has one list of faces; the data of each block belong to its cells."""
+    lines = (
+        *("ply", "format ascii 1.0", "element vertex 6"),
+        *(f"property float {name}" for name in "xyz"),
+        *("element face 3", "property list uchar int vertex_indices", "property float region"),
+        *("end_header", "0 0 0", "1 0 0", "1 1 0", "0 1 0", "2 0 0", "2 1 0"),
+        *("3 0 1 2 10", "3 0 2 3 20", "4 1 4 5 2 30"),
+    )
+    path = tmp_path / "mixed.ply"
+    path.write_text("\n".join(lines) + "\n")
+    content = read_ply(path)
+    assert [cells.shape for _, cells in content.cells] == [(2, 3), (1, 4)]
+    assert [data.tolist() for data in content.cell_data["region"]] == [[10, 20], [30]]

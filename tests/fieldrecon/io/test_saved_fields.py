@@ -60,6 +60,8 @@ def with_other_arguments():
         LONLAT, lambda u: fr.HermiteRBF(fr.methods.values_at(u), fr.gaussian(0.1))
     )
     yield at_units, LONLAT
+    units = fr.methods.to_unit(LONLAT)
+    yield fr.methods.OnTangentPlane(units, fr.LeastSquares), units
     yield fr.BarycentricCoordinates([[0, 0], [1, 0], [2, 2], [0, 1]]), QUERIES
     mesh = fr.SimplexMesh.delaunay(POINTS)
     yield fr.VoronoiCell(mesh, np.flatnonzero(~mesh.boundary_vertices)[7]), QUERIES

@@ -94,7 +94,7 @@ def test_numbers_are_written_as_numbers():
 def test_repeated_entries_in_a_unique_column_are_refused(tmp_path):
     """The comparison ignores the case of letters."""
     file = table(tmp_path, "student,points\nada,1\nAda,2\nbob,1\n")
-    with pytest.raises(ValueError, match=r"table\.csv:3: Ada is already in line 2"):
+    with pytest.raises(ValueError, match=r"table\.csv:3: student Ada is already in line 2"):
         read_table(file, dict, ("student", "points"), unique=("student",))
     assert len(read_table(file, dict, ("student", "points"))) == 3
 

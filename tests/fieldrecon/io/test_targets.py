@@ -117,12 +117,12 @@ def test_netcdf_files_keep_variables_and_dimensions(tmp_path, targets):
         assert np.array_equal(value.data.ravel(), result.values)
         assert value.long_name == b"a b/c"
         coordinates = targets.axes or targets.points.T
-        for name, axis in zip(("east_m", "north", "up"), coordinates, strict=False):
+        for name, axis in zip(("east", "north", "up"), coordinates, strict=False):
             assert np.array_equal(file.variables[name].data, axis)
         flags = file.variables["extrapolated"]
         assert flags.flag_meanings == b"among_the_samples in_a_gap outside"
         assert np.array_equal(flags.data.ravel(), result.extrapolated)
-        wanted = ("up", "north", "east_m")[-len(targets.axes) :] if targets.axes else ("point",)
+        wanted = ("up", "north", "east")[-len(targets.axes) :] if targets.axes else ("point",)
         assert value.dimensions == wanted
 
 
@@ -130,7 +130,7 @@ def test_longitude_and_latitude_have_cf_units(tmp_path):
     """The units are those of the climate and forecast (CF) conventions."""
     FORMATS["nc"](tmp_path / "a.nc", result_at(TARGETS["grid"], lonlat=True))
     with netcdf_file(tmp_path / "a.nc", mmap=False) as file:
-        assert file.variables["east_m"].units == b"degrees_east"
+        assert file.variables["east"].units == b"degrees_east"
         assert file.variables["north"].units == b"degrees_north"
 
 
@@ -184,7 +184,7 @@ def test_a_grid_of_longitudes_spans_the_data_only(middle, width, seed):
 def test_impossible_grids_are_refused():
     """A grid must have as many sides as there are variables, and must fit into memory."""
     points = np.array([[0.0, 0.0], [1.0, 1.0]])
-    with pytest.raises(ValueError, match="a grid in 2 variables has 2 sides; got --grid 2x2x2"):
+    with pytest.raises(ValueError, match="a grid in 2 variables has 2 sides; got 2x2x2"):
         grid_over(points, (2, 2, 2))
     with pytest.raises(ValueError, match=r"at most 4e\+08 nodes; got 100000x100000"):
         grid_over(points, (100_000, 100_000))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fieldrecon.io.meshes import read_triangles, write_triangles
+from fieldrecon.io.ply import read_elements
 from fieldrecon.triangles.audit import audit_mesh
 from fieldreport.experiments.triangles.triangle_shapes import cube, sphere
 
@@ -125,6 +126,30 @@ def test_unknown_formats_are_refused(tmp_path):
         write_triangles(tmp_path / "mesh.dxf", *cube(1))
     with pytest.raises(FileNotFoundError):
         read_triangles(tmp_path / "nowhere.stl")
+
+
+def test_weights_and_colours_of_obj_vertices_are_left_out(tmp_path):
+    """A vertex may have a fourth number, a weight, or six, with its colour."""
+    for more in ("", " 1.0", " 0.2 0.3 0.4"):
+        lines = "".join(f"v {corner}{more}\n" for corner in ("0 0 0", "1 0 0", "0 1 0"))
+        points, triangles = read_triangles(written(tmp_path, lines + "f 1 2 3\n", "mesh.obj"))
+        assert points.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+        assert triangles.tolist() == [[0, 1, 2]]
+
+
+def test_a_binary_element_of_single_bytes_is_read(tmp_path):
+    """It stands at the end of the file, one byte for each vertex."""
+    header = (
+        *("ply", "format binary_little_endian 1.0", "element vertex 3"),
+        *(f"property float {name}" for name in "xyz"),
+        *("element face 1", "property list uchar int vertex_indices"),
+        *("element flag 3", "property uchar set", "end_header", ""),
+    )
+    numbers = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4").tobytes()
+    body = numbers + bytes([3]) + np.arange(3, dtype="<i4").tobytes() + bytes([1, 0, 1])
+    path = written(tmp_path, "\n".join(header).encode() + body, "mesh.ply")
+    assert read_triangles(path)[1].tolist() == [[0, 1, 2]]
+    assert read_elements(path)["flag"]["set"].tolist() == [1, 0, 1]
 
 
 def test_indices_of_obj_files_count_back_if_negative(tmp_path):

@@ -17,7 +17,9 @@ from scipy.stats import ortho_group
 
 from fieldrecon.meshes import delaunay
 from fieldrecon.meshes import topology as _topology
+from fieldrecon.meshes.delaunay import _outer, _violations
 from fieldrecon.meshes.duals import barycentric_dual, circumcentric_dual
+from fieldrecon.meshes.exact_delaunay import _is_independent
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from rational import determinant, dot, minus, rational
 
@@ -605,6 +607,7 @@ LATTICE = st.integers(2, 3).flatmap(
 )
 
 
+@pytest.mark.slow
 @given(LATTICE, st.sampled_from([1.0, 1e-90, 1e90]), st.sampled_from([0.0, 1e5]))
 def test_lattice_points_give_a_mesh_or_are_degenerate(points, unit, offset):
     """With ties, lines and planes everywhere the topological laws hold and every point is used."""
@@ -745,6 +748,33 @@ def hard_clouds(d):
     yield np.concatenate([x, x[:1] + 1e-9 * np.eye(d)[0]])
     yield np.concatenate([x, x[:3] + 1e-14])
     yield np.concatenate([SQUARE, [[0.5, 0.5], [0.5, 0.5 + 1e-16]]]) if d == 2 else x
+
+
+def test_a_vertex_inside_the_circle_of_a_cell_is_a_violation():
+    """A rhomb has one Delaunay diagonal, wherever it lies; the other one is a violation."""
+    for shift in ([0.0, 0.0], [3.0, -7.0]):
+        points = np.array([[0, 0], [2, 0.7], [4, 0], [2, -0.7]]) + shift
+        across, along = np.array([[0, 3, 1], [2, 1, 3]]), np.array([[0, 2, 1], [0, 3, 2]])
+        opposite = np.array([[1, -1, -1], [0, -1, -1]])
+        sure = np.array([True, True])
+        assert (_violations(points, across, opposite, sure) < 0).all()
+        neighbors = np.array([[-1, -1, 1], [-1, 0, -1]])
+        assert (_violations(points, along, neighbors, sure) > 0.01).all()
+
+
+def test_flat_cells_are_left_out_only_at_the_hull():
+    """Flat cells 0 and 1 inside a mesh are not connected with the outside; cell 3 is, by cell 4."""
+    neighbors = np.array([[1, 2, 2], [0, 2, 2], [0, 1, -1], [4, 2, 2], [3, 2, -1]])
+    flat = np.array([True, True, False, True, True])
+    assert _outer(neighbors, flat).tolist() == [False, False, False, True, True]
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_edges_along_a_coordinate_plane_are_independent(axis):
+    """Only one of the three components of their cross product differs from zero."""
+    one, other = np.roll([1, 0, 0], axis).tolist(), np.roll([2, 3, 0], axis).tolist()
+    assert _is_independent([tuple(one)], tuple(other))
+    assert not _is_independent([tuple(one)], tuple(5 * x for x in one))
 
 
 def every_point_is_a_vertex_of_an_exact_delaunay_mesh(cloud):

@@ -44,6 +44,7 @@ def test_near_pairs_contain_all_nonzero_entries(k):
         assert_close(near, far, 1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degree", [-1, 0, 1, 2])
 @pytest.mark.parametrize("complex_data", [False, True])
 def test_sparse_and_dense_systems_have_the_same_solution(degree, complex_data):

@@ -13,7 +13,7 @@ from fieldrecon._numerics import weighted_least_squares
 from fieldrecon._numerics.neighbor_search import group_rows
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
-from fieldrecon.kernels.positive_definite import gaussian, wendland
+from fieldrecon.kernels.positive_definite import gaussian, matern, wendland
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
@@ -497,6 +497,27 @@ def test_gradients_are_as_accurate_as_by_qr(monkeypatch, weight, d, degree, k):
     assert ours <= 3 * rms()
 
 
+def test_values_lose_few_digits_more_than_by_qr(monkeypatch):
+    """Fourteen sites of 4000 neighbourhoods; some determinants are small.
+
+    The weights differ from those of Householder QR by about 1e-13, without refinement by 4e-12.
+    """
+    rng = np.random.default_rng(0)
+    points, x = rng.random((4000, 2)), rng.random((4000, 2))
+    method = MovingLeastSquares(points, inverse_square(0.1), 2, 14)
+
+    def differ_from_qr_by(determinant: float) -> float:
+        monkeypatch.setattr(weighted_least_squares, "_SAFE_DETERMINANT", determinant)
+        return float(abs(method.weights(x) - by_qr).sum(axis=1).max())
+
+    with monkeypatch.context() as patch:
+        patch.setattr(weighted_least_squares, "_SAFE_PIVOT", np.inf)
+        by_qr = method.weights(x)
+    refined = differ_from_qr_by(weighted_least_squares._SAFE_DETERMINANT)
+    assert refined < 1e-12
+    assert differ_from_qr_by(0.0) > 5 * refined
+
+
 # --- refusals -------------------------------------------------------------------------------------
 
 
@@ -581,3 +602,16 @@ def test_a_point_of_many_coordinates_is_abbreviated():
     words = r"at the query \(0\.5, 0\.5, 0\.5, … of 50 coordinates\) do not determine"
     with pytest.raises(np.linalg.LinAlgError, match=words):
         s(np.full(50, 0.5))
+
+
+def test_second_derivatives_at_a_site_are_refused_for_a_weight_with_a_corner():
+    """Away from the sites they exist, and for smooth weights also at sites."""
+    points = halton(60, 2)
+    values = points[:, 0] ** 2
+    corner = MovingLeastSquares(points, matern(0.5, 0.3)).field(values)
+    assert np.isfinite(corner.hessian(points[:3] + 1e-3)).all()
+    with refused("has no second derivatives at a site"):
+        corner.hessian(points[3])
+    assert np.isfinite(
+        MovingLeastSquares(points, gaussian(0.5)).field(values).hessian(points[3])
+    ).all()

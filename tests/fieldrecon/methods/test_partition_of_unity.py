@@ -28,7 +28,7 @@ from fieldrecon.methods.partition_of_unity.polynomial_rank import orthonormal_ba
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.polynomials import dimension, monomials
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from laws import assert_close
+from laws import assert_close, assert_same_bits
 
 X = halton(1500, 2)
 ROUND_ONE = (1 - 1e-12, 1 + 1e-12)
@@ -63,6 +63,7 @@ def test_boxes_contain_each_site_once_in_nearly_equal_numbers(n, d):
     np.testing.assert_array_equal(boxes.containing(x[boxes.sites[there]]), box)
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(st.integers(1, 4), st.integers(0, 10**6), st.booleans())
 def test_the_patches_of_a_query_are_those_whose_balls_contain_it(d, seed, lattice):
@@ -176,14 +177,18 @@ def test_clusters_of_very_different_sizes_are_interpolated():
 
 
 def test_an_outlier_spoils_nothing_elsewhere():
-    """In the cloud the field is as accurate as without it, however far away it is."""
+    """In the cloud the field is as accurate as without it, however far away it is.
+
+    At the outlier the field extrapolates the cloud, which magnifies rounding errors.
+    """
     x, q = X[:100], 0.1 + 0.8 * halton(300, 2, seed=1)
     without = np.abs(PartitionOfUnityRBF(x).field(franke(x))(q) - franke(q)).max()
     for far in (1e2, 1e4, 1e6):
         p, f = np.vstack([x, [0.3 * far, 0.9 * far]]), np.append(franke(x), 0.5)
         s = PartitionOfUnityRBF(p).field(f)
         assert np.abs(s(q) - franke(q)).max() < 1.5 * without
-        assert_close(s(p), f, 1e-4)
+        assert_close(s(x), franke(x), 1e-12)
+        assert_close(s(p[-1]), f[-1], 1e-3)
 
 
 def test_data_too_large_are_refused():
@@ -306,6 +311,7 @@ def test_radii_of_patches_follow_the_density():
 shapes = st.sampled_from(["uniform", "lattice", "thin", "clusters", "curve", "tracks", "far"])
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(shapes, st.integers(1, 4), st.integers(30, 200), st.integers(0, 10**6))
 def test_arbitrary_point_sets_are_interpolated_and_reproduce_constants(shape, d, n, seed):
@@ -374,14 +380,19 @@ def test_a_gradient_that_does_not_exist_is_refused():
 # --- executors, progress, sparsity ----------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_results_are_equal_on_threads_and_processes():
-    """Fit, values and gradients agree bit for bit."""
+    """Set-up, fit, values, gradients, weights and adjoints agree bit for bit."""
     m, q = PartitionOfUnityRBF(X), halton(3000, 2, seed=1)
     here = m.field(wave(X))
     spawn = multiprocessing.get_context("spawn")
     with ThreadPoolExecutor(3) as threads, ProcessPoolExecutor(1, mp_context=spawn) as processes:
         for executor in (threads, processes):
-            there = m.field(wave(X), executor=executor)
+            again = PartitionOfUnityRBF(X, executor=executor)
+            assert_same_bits(again.weights(q, executor=executor), m.weights(q))
+            load = m.adjoint(q, q)
+            assert_close(again.adjoint(q, q, executor=executor), load, 0.0)
+            there = again.field(wave(X), executor=executor)
             assert_close(there(q, executor=executor), here(q), 0.0)
             assert_close(there.gradient(q, executor=executor), here.gradient(q), 0.0)
 

@@ -81,6 +81,7 @@ def test_the_frame_of_one_point_has_scale_one():
     assert Frame.around(np.array([[3.0, 4.0]])).scale == 1.0
 
 
+@pytest.mark.slow
 @given(st.floats(min_value=1e-300, max_value=1e300))
 def test_the_power_of_two_above_is_the_least(length):
     """2^(k-1) < length <= 2^k."""

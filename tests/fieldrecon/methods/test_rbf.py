@@ -311,6 +311,7 @@ WHERE_AND_HOW_SMOOTH = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("offset", "smoothing"), WHERE_AND_HOW_SMOOTH)
 @pytest.mark.parametrize("name", IN_DIGITS)
 def test_values_and_gradients_are_accurate(name, offset, smoothing):

@@ -184,9 +184,9 @@ def made(mutant: type[RBF]) -> Make:
     return lambda x, smoothing: mutant(x, thin_plate_spline(), 1, smoothing)
 
 
-def by_the_order_of_the_level(points, k, problem, progress=None):
+def by_the_order_of_the_level(points, k, problem, *how):
     """The levels, with the entries of the first sites."""
-    for level in levels_of(points, k, problem, progress):
+    for level in levels_of(points, k, problem, *how):
         for systems in level.systems:
             object.__setattr__(systems, "problem", problem)
         yield level

@@ -3,12 +3,13 @@
 import os
 import signal
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 
 import dask.array
 import numpy as np
 import pytest
-from distributed import Client, LocalCluster
+from distributed import Client, LocalCluster, wait
 
 from fieldrecon._core import chunks as _chunks
 from fieldrecon.datasets.synthetic import franke, halton
@@ -80,6 +81,20 @@ def test_fit_and_evaluation_survive_a_killed_worker(tmp_path, monkeypatch):
     assert_close(there.gradient(Q), here.gradient(Q), 0.0)
 
 
+@pytest.mark.slow
+def test_the_work_survives_the_worker_that_alone_has_it(tmp_path):
+    """Scattered data would be lost with the processes that hold them."""
+    with (
+        cluster(tmp_path, n_workers=2, processes=True) as client,
+        Cluster(client).shared_work(partial(np.multiply, 3.0)) as work,
+    ):
+        wait(work)
+        (holder,) = client.who_has(work)[work.key]
+        os.kill(client.run(os.getpid, workers=[holder])[holder], signal.SIGKILL)
+        assert Cluster(client).submit(work, 14.0).result() == 42.0
+
+
+@pytest.mark.slow
 def test_a_cluster_of_threads_gives_the_same_bits(tmp_path, monkeypatch):
     """The work is sent to the two workers in the same way as to processes."""
     monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**19)

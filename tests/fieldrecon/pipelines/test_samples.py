@@ -99,8 +99,12 @@ def test_equivalent_longitudes_are_the_same_point(table):
 @pytest.mark.parametrize(
     ("header", "size", "words"),
     [
-        ("lon,lat,t", 1e6, "look like degrees but are taken as lengths of one unit: add --lonlat"),
-        ("x,y,t", 80, "all within ±180 and ±90, are degrees, add --lonlat"),
+        (
+            "lon,lat,t",
+            1e6,
+            "look like degrees but are taken as lengths of one unit: add the option lonlat",
+        ),
+        ("x,y,t", 80, "all within ±180 and ±90, are degrees, add the option lonlat"),
         ("x,y,t", 1, ""),
         ("x,y,t", 200, ""),
         ("east,north,t", 80, ""),
@@ -175,11 +179,15 @@ def test_many_bad_rows_are_counted(table):
 @pytest.mark.parametrize(
     ("text", "columns", "words"),
     [
-        ("a,b,c\n0,0,1\n", {}, r"not clear which column of .* name it with --x: a, b, c"),
-        ("x,y,a,b\n0,0,1,1\n", {}, r"not clear which column of .* --value: x, y, a, b"),
+        ("a,b,c\n0,0,1\n", {}, r"not clear which column of .* name it by the option x: a, b, c"),
+        (
+            "x,y,a,b\n0,0,1,1\n",
+            {},
+            r"not clear which column of .* is value; name it by the option value: x, y, a, b",
+        ),
         ("x,y,z\n0,0,1\n", {"value": "w"}, r"has no column 'w'; it has x, y, z"),
         ("x,y,z\n0,0,1\n", {"y": "z", "value": "z"}, r"must be different columns"),
-        ("x,y,z\n0,0,1\n", {"z": "z", "lonlat": True}, r"--z for points in space: not both"),
+        ("x,y,z\n0,0,1\n", {"z": "z", "lonlat": True}, r"z for points in space: not both"),
         ("x,y,z\n", {}, r"has no rows below its header"),
         ("x,y,z", {}, r"has no rows below its header"),
         ("x,y,z\n# end\n\n", {}, r"has no rows below its header"),
@@ -206,6 +214,7 @@ def test_numbers_are_read_to_the_last_digit(table):
     assert samples.values == np.array([0.1234567890123456])
 
 
+@pytest.mark.slow
 @given(data=st.data(), block=st.integers(1, 200))
 def test_the_result_does_not_depend_on_the_block_size(tmp_path_factory, data, block):
     """Good and bad rows are found wherever a block of the file ends."""
@@ -293,7 +302,7 @@ def test_masked_rows_are_skipped_and_counted(tmp_path):
     ("arrays", "words"),
     [
         ({"x": [0, 1], "y": [0], "value": [1]}, "must be equally long; got x 2, y 1, value 1"),
-        ({"x": [0], "y": [0]}, "name it with --value: x, y"),
+        ({"x": [0], "y": [0]}, "name it by the option value: x, y"),
         ({"points": np.zeros((2, 5))}, "a column must be one number for each row; points is not"),
         ({"x": np.array([{}], dtype=object)}, "cannot be read as arrays: .*allow_pickle"),
         ({"x": np.empty(0), "y": np.empty(0), "value": np.empty(0)}, "has no rows"),

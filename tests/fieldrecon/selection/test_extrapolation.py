@@ -11,6 +11,7 @@ from fieldrecon.methods.globe import to_unit
 from fieldrecon.selection.extrapolation import AMONG, GAP, OUTSIDE, extrapolated, outside_hull
 
 
+@pytest.mark.slow
 @given(
     d=st.integers(2, 3),
     seed=st.integers(0, 50),

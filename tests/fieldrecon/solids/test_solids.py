@@ -1,5 +1,7 @@
 """Solids as fields: distances, set operations, blends, transformations and surface samples."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
@@ -133,6 +135,15 @@ def test_transformed_fields_scale_and_their_normals_rotate():
     other = transform(solid, ROTATION, shift, 2.5)
     assert_close(other(there), 2.5 * solid(x), 1e-12)
     assert_close(other.normals(there), solid.normals(x) @ ROTATION.T, 1e-9)
+
+
+def test_the_box_of_a_transformed_body_holds_its_corners():
+    """And touches them: it is the box of the eight corners of the box before."""
+    size, shift = np.array([1.0, 2.0, 0.5]), np.array([1.0, 2.0, 3.0])
+    corners = np.array(list(product(*Box(size).box.T)))
+    there = 2.5 * corners @ ROTATION.T + shift
+    box = transform(Box(size), ROTATION, shift, 2.5).box
+    assert_close(box, [there.min(axis=0), there.max(axis=0)], 1e-12)
 
 
 def test_surface_samples_are_uniform():

@@ -5,7 +5,7 @@ import pytest
 from scipy.sparse import csgraph
 
 from fieldrecon.surfaces import normal_orientation
-from fieldrecon.surfaces.normal_orientation import orient_normals
+from fieldrecon.surfaces.normal_orientation import _vote, orient_normals
 from fieldrecon.surfaces.normals import estimate_normals, nearest
 from laws import assert_close
 
@@ -63,6 +63,17 @@ BODIES = {
 
 
 # --- the normal -----------------------------------------------------------------------------------
+
+
+def test_a_vote_turns_a_sign_that_its_neighbours_contradict_and_no_other(monkeypatch):
+    """In a ring of equal normals none, one or two have the wrong sign."""
+    monkeypatch.setattr(normal_orientation, "_MAX_SWEEPS", 1)
+    index = (np.arange(12)[:, None] + [1, 2, 3]) % 12
+    for wrong in ([], [5], [2, 7]):
+        sign = np.ones(12)
+        sign[wrong] = -1
+        _vote(sign, np.ones((12, 3)), index)
+        assert sign.tolist() == [1] * 12
 
 
 def test_normals_of_a_sphere_are_of_first_order():

@@ -31,6 +31,7 @@ def test_integrals_over_triangles_agree_with_dense_quadrature():
         np.testing.assert_allclose(slope / size, expected_slope / size, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_integrals_at_corners_and_edges_do_not_cancel():
     """At these points the side of the query relative to an edge is decided by rounding."""
     points, triangles = torus(12, 6)

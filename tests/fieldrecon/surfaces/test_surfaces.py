@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from fieldrecon.pipelines.scans import _percent
 from fieldrecon.solids import marching_cubes as surface_extraction
 from fieldrecon.solids.constructive import as_solid, blend, morph, transform
 from fieldrecon.solids.marching_cubes import extract_surface
 from fieldrecon.solids.shapes import Ball, Box, Cylinder, Torus, roughened, sample_surface
 from fieldrecon.surfaces import implicit_surfaces, off_surface
-from fieldrecon.surfaces.cloud_cleaning import noise_of
-from fieldrecon.surfaces.implicit_surfaces import implicit_surface
+from fieldrecon.surfaces.cloud_cleaning import _beside, as_clean_cloud, noise_of
+from fieldrecon.surfaces.implicit_surfaces import _box_about, _far_points, implicit_surface
 from fieldrecon.surfaces.off_surface import classified_points, off_surface_points, spacing_of
 from laws import assert_close
 
@@ -181,6 +182,26 @@ def test_noise_is_estimated_and_smoothed():
     assert errors[0] < 0.1 * spacing
 
 
+def test_points_far_from_the_surface_have_signed_distances():
+    """Beside those on the walls of the box there are some inside and some outside."""
+    points, normals = sample_surface(Ball(1.0), 400, seed=1)
+    cloud = as_clean_cloud(points, normals)
+    far, values = _far_points(cloud, _box_about(cloud))
+    between = (np.abs(far) < 0.99 * np.abs(far).max(axis=0)).all(axis=1)
+    depth = 1 - np.linalg.norm(far[between], axis=1)
+    assert (depth > 0.2).sum() > 10
+    assert (depth < -0.2).sum() > 10
+    assert_close(values[between], depth, 0.1)
+
+
+def test_shares_have_two_digits():
+    """Only a share that is nearly all has three."""
+    shares = (0.00123, 0.0456, 0.123, 0.99, 0.996, 1.0)
+    assert [_percent(s) for s in shares] == [
+        *("0.12 %", "4.6 %", "12 %", "99 %", "100 %", "100 %"),
+    ]
+
+
 def test_few_exact_points_of_a_sphere_give_the_sphere():
     """Their curvature is not taken for noise, in any unit and for any method with points off it."""
     for n, unit in ((8, 1.0), (10, 1e-6), (12, 1e6), (16, 1.0), (24, 1.0), (48, 1.0)):
@@ -238,6 +259,16 @@ def test_points_at_edges_without_normals_are_reported():
     assert mesh.audit.parts == 1
     assert np.abs(solid(mesh.points)).max() < body.spacing
     assert mesh.volume == pytest.approx(0.4, rel=0.03)
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize(("angle", "share"), [(0, 1.0), (30, 0.75), (60, 0.25), (90, 0.0)])
+def test_neighbours_count_by_the_squared_cosine_of_their_elevation(angle, share, unit):
+    """Those in the tangent plane count fully, and those across a thin sheet do not."""
+    angle = np.deg2rad(angle)
+    points = unit * np.array([[0, 0, 0], [np.cos(angle), 0, -np.sin(angle)]])
+    normals = np.array([[0, 0, 1.0]] * 2)
+    assert_close(_beside(points, normals, np.array([[1], [0]])), [[share]] * 2, 1e-14)
 
 
 def test_a_sheet_two_spacings_thick_has_two_sides():
@@ -371,6 +402,7 @@ def test_a_surface_that_leaves_the_box_is_closed_at_its_sides():
     assert len(extract_surface(Ball(1.0), 0.1).cut) == 0
 
 
+@pytest.mark.slow
 def test_holes_stay_open_with_the_argument_within():
     """A sphere without a cap is closed by default; with `within` it has one boundary loop."""
     points = spiral(800)

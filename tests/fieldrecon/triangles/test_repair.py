@@ -1,6 +1,7 @@
 """Repair of triangle meshes: planted errors are corrected, correct meshes are unchanged."""
 
 import itertools
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,8 +11,11 @@ from hypothesis import strategies as st
 from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.triangles import repair as _mending
 from fieldrecon.triangles.audit import audit_mesh
-from fieldrecon.triangles.holes import minimum_area_patches
-from fieldrecon.triangles.repair import repair_mesh
+from fieldrecon.triangles.duplicates import first_duplicates
+from fieldrecon.triangles.half_edges import HalfEdges
+from fieldrecon.triangles.holes import MAX_LOOP, _cycles, minimum_area_patches
+from fieldrecon.triangles.orientation import inverted
+from fieldrecon.triangles.repair import erroneous, repair_mesh
 from fieldreport.experiments.triangles.planted_errors import damaged, planted_errors
 from fieldreport.experiments.triangles.triangle_shapes import (
     band,
@@ -132,6 +136,7 @@ def test_a_solid_with_many_errors_is_repaired_through_files(tmp_path):
     assert volume(repaired.points, repaired.triangles) == pytest.approx(volume(*bumpy(3)), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_solids_are_oriented_outward_and_cavities_inward():
     """The four nested shells have every combination of orientations."""
     shells = [(sphere(1)[0] * r, sphere(1)[1]) for r in (1, 0.75, 0.5, 0.25)]
@@ -381,6 +386,7 @@ def test_patches_have_minimal_area():
         assert sorted(audit_mesh(p, chosen).boundary_loops[0]) == [*range(6)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "mutant", "error"),
     [
@@ -405,3 +411,61 @@ def test_invalid_input_is_refused():
         repair_mesh(np.zeros((3, 3)), [[0, 1, 2]])
     with pytest.raises(ValueError, match="largest_hole must be zero or a positive number"):
         repair_mesh(*sphere(1), largest_hole=-1)
+
+
+# --- parts of the repair --------------------------------------------------------------------------
+
+
+def test_loose_triangles_of_a_closed_surface_are_merged():
+    """The audit finds no error in them, but each triangle has its own three vertices."""
+    points, triangles = cube(2)
+    repaired = repair_mesh(
+        points[triangles].reshape(-1, 3), np.arange(triangles.size).reshape(-1, 3)
+    )
+    assert repaired.before.clean
+    assert repaired.before.soup
+    assert len(repaired.points) == len(points)
+    assert not repaired.after.soup
+
+
+def test_errors_of_new_triangles_have_their_numbers_in_the_mesh():
+    """The first triangles are old: their errors are not counted."""
+    points, triangles = cube(2)
+    twice = np.vstack([triangles[:1], triangles, triangles[5:6]])
+    wrong = erroneous(audit_mesh(points, twice), twice, 3)
+    assert len(twice) - 1 in wrong
+    assert (wrong >= 3).all()
+
+
+def test_equal_triangles_are_found_on_millions_of_vertices():
+    """A number for each triangle would not fit into 64 bits: these two would have the same."""
+    far = [2**20, 2**20 + 5, 2**20 + 7]
+    some = np.array([far, [0, *far[1:]], far[::-1]])
+    assert first_duplicates(some, 2**22).tolist() == [0, 1, 0]
+
+
+def test_a_long_path_around_a_hole_does_not_hide_a_short_one():
+    """From joint 0 one path leads to 1; one of 40 sides leads on from there, and one leads back."""
+    paths = [np.array([0]), np.arange(2, 2 + MAX_LOOP + 8), np.array([1])]
+    ends = np.zeros(MAX_LOOP + 10, dtype=int)
+    ends[0], ends[paths[1][-1]] = 1, 2
+    starts = np.zeros_like(ends)
+    starts[1] = starts[2] = 1
+    assert list(_cycles(SimpleNamespace(start=starts, end=ends), paths)) == [(0, 2)]
+
+
+def test_a_closed_part_without_volume_is_not_inverted():
+    """A fan of triangles, and the same fan below it: the sum of volumes is a rounding error."""
+    rng, next_one = np.random.default_rng(1), np.roll(np.arange(12), -1)
+    for _ in range(8):
+        points = rng.random((13, 3))
+        points = np.vstack([points, points[12]])
+        above = np.column_stack([np.arange(12), next_one, np.full(12, 12)])
+        below = np.column_stack([next_one, np.arange(12), np.full(12, 13)])
+        for triangles in (
+            np.vstack([above, below]),
+            np.vstack([below, above[rng.permutation(12)]]),
+        ):
+            half_edges = HalfEdges(triangles, len(points))
+            assert half_edges.closed_parts.all()
+            assert not inverted(points, half_edges, np.zeros(24, dtype=bool)).any()

@@ -83,6 +83,7 @@ def test_cell_velocities_equal_the_raviart_thomas_field_at_the_symmedian_point(m
     assert_close(raviart_thomas(mesh, v, k) / size, u / size, 1e-8)
 
 
+@pytest.mark.slow
 def test_distances_of_the_symmedian_point_are_proportional_to_the_sides():
     """Therefore the residual of the least-squares fit is proportional to l."""
     for mesh in fat_triangles()[:50]:
@@ -93,6 +94,7 @@ def test_distances_of_the_symmedian_point_are_proportional_to_the_sides():
         assert_close(distance / distance.sum(), l / l.sum(), 1e-10)
 
 
+@pytest.mark.slow
 def test_cell_velocities_of_affine_fields_equal_the_closed_form():
     """u_LS = u(O) + s(K - O) + ½(σ h̄ - σ̄ q₁q₂q₃/R²) for G = sI + ωJ + S, in complex numbers.
 
@@ -217,6 +219,7 @@ def test_the_defect_is_the_norm_of_the_residual(mesh):
     assert (np.abs(found.defect - residual) / size).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_the_divergent_part_of_the_data_does_not_affect_the_velocity():
     """N⁺l = 0: adding a multiple of l to the data changes the defect only."""
     for mesh in fat_triangles()[:50]:

@@ -151,6 +151,7 @@ def test_rotations_are_reproduced(mesh):
     assert_close(values(mesh, normal_velocities(mesh, u)), u, EXACT)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "weight",
     [

@@ -49,6 +49,7 @@ def test_the_tip_deflection_of_a_cantilever_agrees_with_the_beam_equation():
     assert_close(found, deflection, 1e-4)
 
 
+@pytest.mark.slow
 def test_transposes_conserve_what_the_method_reproduces(wings):
     """Reproducing linear fields conserves force and moments, reproducing constants the force."""
     table = wings.tables["errors"]

@@ -182,6 +182,7 @@ def test_streamlines_of_a_rotation_are_circles():
 # --- results -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_vertex_velocities_are_of_second_and_cell_velocities_of_first_order(found):
     """In the plane and in space."""
     facts = found.facts
@@ -194,6 +195,7 @@ def test_vertex_velocities_are_of_second_and_cell_velocities_of_first_order(foun
         assert again[-1] < cells[-1] / 3
 
 
+@pytest.mark.slow
 def test_errors_on_the_surface_are_larger_than_inside(found):
     """At the surface all faces lie on one side; the order is the same."""
     errors = dict(zip(fluid_frame.MEASURES, found.arrays["errors"].T, strict=True))

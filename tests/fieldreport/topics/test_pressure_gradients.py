@@ -62,6 +62,14 @@ def test_rbf_is_more_accurate_than_mls_and_mls_than_ls(found):
         assert inside["RBF"] < inside["MLS"] < inside["LS"]
 
 
+def test_a_vertex_in_space_has_four_times_as_many_neighbours_as_in_the_plane(found):
+    """Cells at vertices not on the faces of the cube, counted from the list of cells."""
+    mesh = jittered_cube(8, 3, 0.6, 0)
+    cells = np.bincount(mesh.cells.ravel())[((mesh.points > 0) & (mesh.points < 1)).all(axis=1)]
+    assert found.facts["cells_at_vertex_3d"] == pytest.approx(cells.mean(), rel=1e-5)
+    assert 4 * 6 < cells.mean() < 5 * 6
+
+
 def test_gradients_agree_with_numpy_and_scipy(found):
     """Central differences lose half the digits, and a fit in closed form loses none."""
     assert found.facts["gap_ls"] < 1e-11

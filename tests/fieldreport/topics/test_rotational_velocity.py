@@ -151,6 +151,7 @@ def test_the_mean_of_two_ends_is_the_midpoint_value_for_affine_fields(result):
 # --- refinement -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_enough_rings_give_second_order(refined):
     """This holds in the plane and in space, with equal weights and with those of the slides."""
     for name in ("ls_2d", "mls_2d", "ls_3d", "mls_3d"):

@@ -19,9 +19,9 @@ def test_synthetic_scans_have_the_named_defects():
     assert scans["two bodies"].body([0.0, 0.0, 0.9]) == pytest.approx(0.4)
 
 
-def test_the_spheroid_has_exact_points_and_normals():
+def test_the_ellipsoid_has_exact_points_and_normals():
     """Points satisfy x² + (y / 0.8)² + (z / 0.6)² = 1, and normals are parallel to its gradient."""
-    points, normals = experiment.spheroid(50)
+    points, normals = experiment.ellipsoid(50)
     half = np.array([1.0, 0.8, 0.6])
     assert ((points / half) ** 2).sum(axis=1) == pytest.approx(np.ones(50))
     assert np.cross(points / half**2, normals) == pytest.approx(np.zeros((50, 3)), abs=1e-12)
@@ -29,7 +29,7 @@ def test_the_spheroid_has_exact_points_and_normals():
 
 def test_the_table_measures_distances_in_spacings():
     """A ball is reconstructed with errors far below one spacing, in one part."""
-    points = experiment.spheroid(400)[0] / [1.0, 0.8, 0.6]
+    points = experiment.ellipsoid(400)[0] / [1.0, 0.8, 0.6]
     row = experiment.reconstructed(experiment.SyntheticScan(points, Ball(1.0))).row
     named = dict(zip(experiment.COLUMNS[1:], row, strict=True))
     assert named["rms"] < named["largest"] < 0.05

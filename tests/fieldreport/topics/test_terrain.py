@@ -228,6 +228,7 @@ def test_a_study_of_a_plane_has_no_errors():
     assert result.facts["cone_largest"] > 1
 
 
+@pytest.mark.slow
 def test_the_facts_agree_with_the_elevation_file(quick):
     """Extremes, mean and extent are those of every fifth row and column of the model."""
     ground = part(terrain(), np.s_[::5], np.s_[::5])
@@ -251,6 +252,7 @@ def test_the_ranking_of_methods_holds_on_a_coarser_model(quick):
     assert quick.facts["difference_from_scipy"] < 1e-5
 
 
+@pytest.mark.slow
 def test_maps_have_north_at_the_top(quick):
     """Row 0 is the south and is drawn at the bottom; the first column is in the west."""
     x, y = quick.arrays["x"], quick.arrays["y"]
@@ -265,6 +267,7 @@ def test_maps_have_north_at_the_top(quick):
                 assert not axes.yaxis_inverted()
 
 
+@pytest.mark.slow
 def test_the_terrain_is_drawn_at_its_coordinates(quick):
     """In the third map the highest cell has its true coordinates."""
     land_map = experiments.get("terrain").plots["terrain"](quick).axes[2].images[0]

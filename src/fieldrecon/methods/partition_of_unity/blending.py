@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from itertools import repeat
 from typing import NamedTuple
@@ -18,7 +19,7 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from fieldrecon._core.chunks import Progress, split_progress
+from fieldrecon._core.chunks import Progress, progress_after, report_all, split_progress
 from fieldrecon._numerics.jets import composition, product, quotient, rows_of_jet
 from fieldrecon._numerics.kd_partition import KDPartition
 from fieldrecon.methods.partition_of_unity.ball_weights import COVERED, bump
@@ -93,7 +94,11 @@ class Share(NamedTuple):
 
 
 def levels_of(
-    points: np.ndarray, k: int, problem: Problem, progress: Progress | None = None
+    points: np.ndarray,
+    k: int,
+    problem: Problem,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
 ) -> Iterator[Level]:
     """Yield levels of patches with k of the sites (n, d) each; the last is a single patch."""
     sites = np.lexsort(points.T[::-1])  # so that their order does not matter where distances tie
@@ -102,7 +107,7 @@ def levels_of(
         own_k = _patch_size(points[sites], k, finest=len(sites) == len(points))
         alone = own_k == len(sites)
         size = len(sites) if alone else max(1, SITES_PER_BOX * own_k)
-        boxes = KDPartition.around(points[sites], size, next(steps))
+        boxes = KDPartition.around(points[sites], size, executor, next(steps))
         boxes, order = boxes.in_order()
         sites = sites[order]
         own = points[sites]
@@ -111,14 +116,14 @@ def levels_of(
         patches = (
             Patches.single(own, boxes)
             if alone
-            else Patches.of(own, tree, boxes, own_k, covering, reaching)
+            else Patches.of(own, tree, boxes, own_k, executor, covering, reaching)
         )
         here = replace(problem, smoothing=problem.smoothing[sites])
-        yield Level(sites, patches, *systems_of(own, tree, patches, here, next(steps)))
+        systems = systems_of(own, tree, patches, here, executor, next(steps))
+        yield Level(sites, patches, *systems)
         steps = repeat(None)
         if alone:
-            if progress is not None:
-                progress(len(points), len(points))
+            report_all(progress, len(points))
             return
         sites = sites[patches.representatives]
 
@@ -165,8 +170,8 @@ def _taken_over(total: np.ndarray, d: int) -> np.ndarray:
     return composition((COVERED * behind**3, -3 * behind**2, 6 * behind / COVERED), total, d)
 
 
-def weight_rows(levels: Sequence[Level], n: int, x: np.ndarray) -> list[sparse.csr_array]:
-    """Weights (m, n) of the data of n sites in the values at queries (m, d), in a list of one."""
+def weight_rows(levels: Sequence[Level], n: int, x: np.ndarray) -> sparse.csr_array:
+    """Weights (m, n) of the data of n sites in the values at queries (m, d)."""
     triples = []
     for share in shares(levels, x, order=0):
         for systems, _, pairs, member in share.systems():
@@ -174,7 +179,7 @@ def weight_rows(levels: Sequence[Level], n: int, x: np.ndarray) -> list[sparse.c
             terms = systems.basis(member, x[query]) * share.weights[0, pairs, None]
             sites = share.level.sites[systems.sites[member]]
             triples.append((query, sites, systems.of_data(member, terms)))
-    return [_matrix(triples, (len(x), n))]
+    return _matrix(triples, (len(x), n))
 
 
 def gradient_weight_rows(levels: Sequence[Level], n: int, x: np.ndarray) -> list[sparse.csr_array]:
@@ -193,6 +198,11 @@ def gradient_weight_rows(levels: Sequence[Level], n: int, x: np.ndarray) -> list
     return [_matrix(component, (len(x), n)) for component in triples]
 
 
+def number_of_patches(levels: Sequence[Level]) -> int:
+    """Number of the patches of all levels."""
+    return sum(len(level.patches) for level in levels)
+
+
 class Moments:
     """Sums of the basis functions of patches at queries, times the loads there."""
 
@@ -207,15 +217,19 @@ class Moments:
         for level, number, patch, sums in parts:
             self._sums[level][number][patch] += sums
 
-    def of_sites(self, n: int) -> np.ndarray:
+    def of_sites(self, n: int, executor: Executor | None, progress: Progress | None) -> np.ndarray:
         """H^T f (n, v), from the sums by the transposed systems."""
         v = self._sums[0][0].shape[2]
         total = np.zeros((n, v), dtype=self._sums[0][0].dtype)
+        done, patches = 0, number_of_patches(self._levels)
         for level, sums in zip(self._levels, self._sums, strict=True):
             for systems, own in zip(level.systems, sums, strict=True):
                 sites = level.sites[systems.sites].ravel()
-                where, rows = _summed_by_row(sites, systems.adjoint(own).reshape(len(sites), v))
+                own_progress = progress_after(progress, done, patches)
+                data = systems.adjoint(own, executor, own_progress)
+                where, rows = _summed_by_row(sites, data.reshape(len(sites), v))
                 total[where] += rows
+                done += len(systems)
         return total
 
 

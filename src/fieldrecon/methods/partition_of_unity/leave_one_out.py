@@ -17,7 +17,7 @@ from functools import partial
 
 import numpy as np
 
-from fieldrecon._core.chunks import Progress, chunked
+from fieldrecon._core.chunks import Progress, chunked, progress_after
 from fieldrecon._core.validation import format_point
 from fieldrecon.methods.partition_of_unity.batched_systems import leverages, solved
 from fieldrecon.methods.partition_of_unity.blending import Level
@@ -33,7 +33,7 @@ def blended_residuals(
     for number, systems in enumerate(level.systems):
         patches = np.flatnonzero(level.group == number)
         work = partial(patch_residuals, systems, values[level.sites])
-        own = progress and partial(_after, progress, done, len(level.patches))
+        own = progress_after(progress, done, len(level.patches))
         done += len(systems)
         every = np.arange(len(systems))
         for part, (residuals, is_valid) in chunked(work, every, systems.rows(), progress=own):
@@ -66,7 +66,3 @@ def patch_residuals(
     diagonal = np.where(is_valid, inverse[:, range(k), range(k)], 1.0)
     residuals = inverse @ values[systems.sites[patch]] / diagonal[..., None]
     return np.where(is_valid[..., None], residuals, 0.0), is_valid
-
-
-def _after(progress: Progress, before: int, total: int, done: int, _: int) -> None:
-    progress(before + done, total)

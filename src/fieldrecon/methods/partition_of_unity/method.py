@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import sparse
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.chunks import Progress, chunked, rows_of
+from fieldrecon._core.chunks import Progress, chunked, progress_after, rows_of, split_progress
 from fieldrecon._numerics.jets import product, rows_of_jet, symmetric, upper_pairs
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
@@ -23,6 +22,7 @@ from fieldrecon.methods.partition_of_unity.blending import (
     gradient_weight_rows,
     levels_of,
     moments,
+    number_of_patches,
     shares,
     summed,
     weight_rows,
@@ -77,6 +77,8 @@ class PartitionOfUnityRBF(Reconstruction):
         it is sqrt((x - y)^T M (x - y)). Balls and lengths of the kernel are such distances. A patch
         that is a millionth as wide as it is long in these distances counts as a line; see
         `reduced`.
+    executor : concurrent.futures.Executor, optional
+        Runs the chunks of the set-up; this machine's threads by default.
     progress : callable, optional
         Called as progress(done, total) with numbers of sites, while the patches are set up.
 
@@ -154,6 +156,7 @@ class PartitionOfUnityRBF(Reconstruction):
         smoothing: ArrayLike = 0.0,
         *,
         metric: ArrayLike | None = None,
+        executor: Executor | None = None,
         progress: Progress | None = None,
     ) -> None:
         self.points = valid.as_points(points)
@@ -178,7 +181,7 @@ class PartitionOfUnityRBF(Reconstruction):
         )
         local = self._frame.local(self.points)
         size = min(self.patch_size, len(local))
-        self._levels = tuple(levels_of(local, size, problem, progress))
+        self._levels = tuple(levels_of(local, size, problem, executor, progress))
         self.patch_sizes = np.repeat(
             [s.sites.shape[1] for s in self._levels[0].systems],
             [len(s) for s in self._levels[0].systems],
@@ -226,12 +229,12 @@ class PartitionOfUnityRBF(Reconstruction):
         executor: Executor | None = None,
         progress: Progress | None = None,
     ) -> Coefficients:
-        total = sum(len(s) for level in self._levels for s in level.systems)
+        total = number_of_patches(self._levels)
         found, done = [], 0
         for level in self._levels:
             own, finest = [], level is self._levels[0]
             for systems in level.systems:
-                own_progress = progress and partial(_level_progress, progress, done, total)
+                own_progress = progress_after(progress, done, total)
                 own.append(systems.fitted(values[level.sites], finest, executor, own_progress))
                 done += len(systems)
             found.append(own)
@@ -289,29 +292,34 @@ class PartitionOfUnityRBF(Reconstruction):
                 entry += summed(share.query, term, len(x))
         return self._frame.hessian(symmetric(total, d))
 
+    @property
+    def _has_sparse_weights(self) -> bool:
+        return True
+
     def _weight_rows(self, x: np.ndarray) -> Weights:
-        return self._in_chunks(weight_rows, x)[0]
+        return weight_rows(self._levels, len(self.points), self._frame.local(x))
 
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[Weights, ...]:
-        return self._frame.partials(self._in_chunks(gradient_weight_rows, x))
+        local = self._frame.local(x)
+        return self._frame.partials(gradient_weight_rows(self._levels, len(self.points), local))
 
-    def _in_chunks(
-        self, rows_of_weights: Callable[..., list[Weights]], x: np.ndarray
-    ) -> list[Weights]:
-        """Matrices of weights, computed in the order in which queries share their patches."""
-        order = self._order(x)
-        work = partial(rows_of_weights, self._levels, len(self.points))
-        parts = chunked(work, self._frame.local(x[order]), self._chunk_rows(COLUMNS))
-        chunks = [part for _, part in parts] or [work(x)]
-        back = np.argsort(order)
-        return [sparse.vstack(rows, "csr")[back] for rows in zip(*chunks, strict=True)]
+    def _weight_chunk_rows(self) -> int:
+        return self._chunk_rows(COLUMNS)
 
-    def _adjoint(self, x: np.ndarray, f: np.ndarray) -> np.ndarray:
+    def _adjoint(
+        self,
+        x: np.ndarray,
+        f: np.ndarray,
+        executor: Executor | None,
+        progress: Progress | None,
+    ) -> np.ndarray:
+        summing, solving = split_progress(progress, len(x), 2)
         total = Moments(self._levels, f.shape[1], f.dtype)
-        work = partial(moments, self._levels, self._frame.local(x), f)
-        for _, part in chunked(work, self._order(x), self._chunk_rows(f.shape[1])):
+        work = partial(valid.quiet_evaluate, moments, self._levels, self._frame.local(x), f)
+        rows = self._chunk_rows(f.shape[1])
+        for _, part in chunked(work, self._order(x), rows, executor, summing):
             total.add(part)
-        return total.of_sites(len(self.points))
+        return total.of_sites(len(self.points), executor, solving)
 
     def _order(self, x: np.ndarray) -> np.ndarray:
         boxes = self._levels[0].patches.boxes
@@ -322,10 +330,6 @@ class PartitionOfUnityRBF(Reconstruction):
         systems, d = self._levels[0].systems[0], self.points.shape[1]
         overlap = MAX_CROWDING * self.patch_sizes.sum() / len(self.points)
         return rows_of(8 * overlap * (systems.size * (d + 3) + columns * (d + 2)))
-
-
-def _level_progress(progress: Progress, before: int, total: int, done: int, _: int) -> None:
-    progress(before + done, total)
 
 
 def usual_degree(d: int) -> int:

@@ -206,12 +206,15 @@ class PatchSystems:
         k, rows = self.sites.shape[1], self.rows(COLUMNS)
         return batched_solve_grouped(self._solved_for_data, patch, terms, k, rows)
 
-    def adjoint(self, moments: np.ndarray) -> np.ndarray:
+    def adjoint(
+        self, moments: np.ndarray, executor: Executor | None, progress: Progress | None
+    ) -> np.ndarray:
         """C^T m (p, k, v) of moments (p, k + q, v), without forming C."""
         result = np.empty((len(self), self.sites.shape[1], moments.shape[2]), dtype=moments.dtype)
-        work = partial(self._adjoint, moments)
-        for part, rows in chunked(work, np.arange(len(self)), self.rows(moments.shape[2])):
-            result[part] = rows
+        work = partial(quiet_evaluate, self._adjoint, moments)
+        rows = self.rows(moments.shape[2])
+        for part, some in chunked(work, np.arange(len(self)), rows, executor, progress):
+            result[part] = some
         return result
 
     def _adjoint(self, moments: np.ndarray, patch: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ are dense, balls are small. A patch whose sites do not determine its polynomials
 
 from __future__ import annotations
 
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
@@ -97,14 +98,15 @@ class Patches:
         tree: cKDTree,
         boxes: KDPartition,
         k: int,
+        executor: Executor | None = None,
         covering: Progress | None = None,
         reaching: Progress | None = None,
     ) -> Patches:
         """Patches of k of the sites (n, d) each, in the order of their boxes."""
         rows = boxes.sites[(boxes.sites >= 0).any(axis=1)]
-        centers, radii, sites = _covering(points, tree, rows, k, covering)
+        centers, radii, sites = _covering(points, tree, rows, k, executor, covering)
         representatives = _thinned(points, rows)
-        reached = boxes.reached(centers, radii, reaching)
+        reached = boxes.reached(centers, radii, executor, reaching)
         return cls(centers, radii, sites, representatives, boxes, *reached)
 
     @classmethod
@@ -140,6 +142,7 @@ def systems_of(
     tree: cKDTree,
     patches: Patches,
     problem: Problem,
+    executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> tuple[tuple[PatchSystems, ...], np.ndarray, np.ndarray]:
     """Systems of the patches, and for each patch the index of its system and its index in it.
@@ -153,7 +156,8 @@ def systems_of(
     rest, sites = np.arange(len(patches)), patches.sites
     most = min(len(points), MAX_GROWTH * sites.shape[1])
     while len(rest):
-        origin, radius, doubt = _frames(points, sites, problem.degree, None if groups else progress)
+        own_progress = None if groups else progress
+        origin, radius, doubt = _frames(points, sites, problem.degree, executor, own_progress)
         last = sites.shape[1] >= most
         stays = np.ones_like(doubt) if last else ~doubt
         own = rest[stays]
@@ -167,7 +171,7 @@ def systems_of(
             patches.radii[own],
         )
         if last:
-            _find_bases(systems, np.flatnonzero(doubt))
+            _find_bases(systems, np.flatnonzero(doubt), executor)
         member[own], group[own] = np.arange(len(systems)), len(groups)
         groups.append(systems)
         rest = rest[~stays]
@@ -177,7 +181,12 @@ def systems_of(
 
 
 def _covering(
-    points: np.ndarray, tree: cKDTree, rows: np.ndarray, k: int, progress: Progress | None
+    points: np.ndarray,
+    tree: cKDTree,
+    rows: np.ndarray,
+    k: int,
+    executor: Executor | None,
+    progress: Progress | None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Balls about the middles of boxes; boxes that their ball does not cover are halved.
 
@@ -186,7 +195,8 @@ def _covering(
     work = partial(_balls, points, tree, k)
     found: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
     while len(rows):
-        parts = chunked(work, rows, rows_of(8 * 8 * k), progress=None if found else progress)
+        own_progress = None if found else progress
+        parts = chunked(work, rows, rows_of(8 * 8 * k), executor, own_progress)
         *balls, covers = map(np.concatenate, zip(*(part for _, part in parts), strict=True))
         found.append(tuple(ball[covers] for ball in balls))
         rows = rows[~covers]
@@ -250,24 +260,33 @@ def _outliers(points: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     return extremes[beyond > (high - low) / 2]
 
 
-def _find_bases(systems: PatchSystems, patches: np.ndarray) -> None:
+def _find_bases(systems: PatchSystems, patches: np.ndarray, executor: Executor | None) -> None:
     """Bases of the polynomials that these patches determine."""
-    for part in np.split(patches, range(BASES, len(patches), BASES)):
-        rounding = systems.problem.rounding / systems.radius[part]
-        needed = np.arange(systems.degree + 1) <= max(1, systems.problem.kernel.order - 1)
-        barely = np.where(needed, BARELY, BARELY_MORE)
-        tolerance = np.maximum(barely, 4 * max(systems.degree, 1) * rounding[:, None])
-        bases = orthonormal_basis(systems.frames(part), systems.degree, tolerance)
-        systems.bases.update(zip(part.tolist(), bases, strict=True))
+    found = chunked(partial(_bases, systems), patches, BASES, executor)
+    for part, bases in found:
+        systems.bases.update(zip(patches[part].tolist(), bases, strict=True))
+
+
+def _bases(systems: PatchSystems, patch: np.ndarray) -> np.ndarray:
+    """The `orthonormal_basis` (p, q, q) of each of the patches (p,)."""
+    rounding = systems.problem.rounding / systems.radius[patch]
+    needed = np.arange(systems.degree + 1) <= max(1, systems.problem.kernel.order - 1)
+    barely = np.where(needed, BARELY, BARELY_MORE)
+    tolerance = np.maximum(barely, 4 * max(systems.degree, 1) * rounding[:, None])
+    return orthonormal_basis(systems.frames(patch), systems.degree, tolerance)
 
 
 def _frames(
-    points: np.ndarray, sites: np.ndarray, degree: int, progress: Progress | None
+    points: np.ndarray,
+    sites: np.ndarray,
+    degree: int,
+    executor: Executor | None,
+    progress: Progress | None,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Origins and units of length of patches with these sites, and their `maybe_rank_deficient`."""
     d = points.shape[1]
     rows = rows_of(16 * sites.shape[1] * (d + dimension(d, degree)))
-    parts = chunked(partial(_some_frames, points, degree), sites, rows, progress=progress)
+    parts = chunked(partial(_some_frames, points, degree), sites, rows, executor, progress)
     origin, radius, doubt = map(np.concatenate, zip(*(part for _, part in parts), strict=True))
     return origin, radius, doubt
 

@@ -326,8 +326,8 @@ def plot_history(result: Result) -> Figure:
             axes[0].plot(turn, history[:, 3], **look)
             axes[0].plot(turn, history[:, 2], **look | {"label": None})
             axes[1].plot(turn, history[:, 4], **look)
-        axes[0].set(xlabel="turns", title="least and greatest value")
-        axes[1].set(xlabel="turns", title="mass, relative")
+        axes[0].set(xlabel="revolutions", title="minimum and maximum")
+        axes[1].set(xlabel="revolutions", title="mass, relative")
         axes[1].ticklabel_format(useOffset=False)
         page.legend(*axes[1].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     return page
@@ -342,11 +342,18 @@ def plot_orders(result: Result) -> Figure:
             ("Euler", "midpoint", "Heun", "RK4"), styles, result.arrays["in_time"], strict=True
         ):
             axes[0].plot(1 / np.array(p.divisions), row, **line(style, label=name))
-        axes[0].set(xlabel="step, in turns", title="feet", xscale="log", yscale="log")
+        axes[0].set(
+            xlabel="step, in revolutions",
+            title="error of departure points",
+            xscale="log",
+            yscale="log",
+        )
         axes[0].set_xticks(1 / np.array(p.divisions), [f"1/{k}" for k in p.divisions])
         h = np.array(p.counts) ** -0.5
         axes[1].plot(h, result.arrays["in_space"], **line("PU", label=None))
-        axes[1].set(xlabel="spacing $n^{-1/2}$", title="a smooth hill", xscale="log", yscale="log")
+        axes[1].set(
+            xlabel="spacing $n^{-1/2}$", title="error of a smooth hump", xscale="log", yscale="log"
+        )
         axes[1].set_xticks(h, [f"{x:.3f}" for x in h], rotation=45)
         k = 2.0 ** np.arange(result.arrays["norms"].shape[1])
         for name, style, row in zip(

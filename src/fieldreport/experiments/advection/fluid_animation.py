@@ -324,7 +324,7 @@ def plot_history(result: Result) -> Figure:
             axes[0].plot(t, row[:, 0] / ENERGY, **line(style, label=way.name))
             axes[1].plot(t, row[:, 1], **line(style, label=way.name))
         axes[0].axhline(1, color="black", linewidth=0.6)
-        axes[0].set(xlabel="time", title="kinetic energy, of the exact one", ylim=(0, 1.1))
+        axes[0].set(xlabel="time", title="kinetic energy / exact", ylim=(0, 1.1))
         axes[1].set(xlabel="time", title="error of velocities", yscale="log")
         handles, labels = axes[0].get_legend_handles_labels()
         page.legend(handles, labels, loc="outside upper center", ncols=4)

@@ -441,7 +441,7 @@ def plot_errors(result: Result) -> Figure:
         guide = np.finfo(float).eps / distances
         right.plot(distances, guide, **line("truth", label="rounding / distance"))
         right.set(xscale="log", yscale="log", xlabel="distance from the edge")
-        right.set_title("ever nearer to an edge")
+        right.set_title("approaching an edge")
         for panel in (left, right):
             panel.legend(loc="upper right")
     return page

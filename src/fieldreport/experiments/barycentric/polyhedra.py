@@ -348,8 +348,8 @@ def plot_edge(result: Result) -> Figure:
                 errors, ("quotient of the slides", "products"), (light, dark), strict=True
             ):
                 panel.plot(arrays["distances"], np.maximum(error, 1e-17), **look, label=label)
-            panel.set(title=f"beside {what}", xscale="log", yscale="log", ylim=(3e-18, 10))
-            panel.set_xlabel("distance from it")
+            panel.set(title=f"near {what}", xscale="log", yscale="log", ylim=(3e-18, 10))
+            panel.set_xlabel("distance")
             panel.invert_xaxis()
             panel.xaxis.set_minor_locator(NullLocator())
         axes[0].set_ylabel("largest error of a weight")
@@ -377,7 +377,7 @@ def plot_splitting(result: Result) -> Figure:
                 axes[2].plot(arrays["shifts"], row, **look, label=None if k else name)
         ends = arrays["shifts"][[0, -1]]
         axes[2].plot(ends, 4 * ends, color="0.8", linewidth=2.5, label="slope 1")
-        axes[2].set(xscale="log", yscale="log", xlabel="δ, by which faces are moved")
+        axes[2].set(xscale="log", yscale="log", xlabel="displacement δ of the faces")
         axes[2].set_title("difference of the weights")
         axes[2].legend(loc="lower right", fontsize=7)
     return page

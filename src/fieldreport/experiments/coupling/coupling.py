@@ -327,6 +327,6 @@ def plot_footprint(result: Result) -> Figure:
             panel.set(title=title, ylabel="chord", ylim=(0, result.params.chord))
             panel.grid(visible=False)
         axes[-1].set_xlabel("span")
-        bar = page.colorbar(shades, ax=axes, label="part of the load")
+        bar = page.colorbar(shades, ax=axes, label="fraction of the load")
         bar.set_ticks([-6, -4, -2, 0], labels=["$10^{-6}$", "$10^{-4}$", "1 %", "all"])
     return page

@@ -400,7 +400,7 @@ def plot(result: Result) -> Figure:
             panel.plot(*seen(curve)[0].T, color="black", linewidth=0.7, linestyle=(0, (4, 2)))
         panel.set(aspect="equal")
         panel.set_axis_off()
-        page.colorbar(panel.collections[0], ax=panel, shrink=0.8, aspect=15, label="rise [m]")
+        page.colorbar(panel.collections[0], ax=panel, shrink=0.8, aspect=15, label="deflection [m]")
     return page
 
 
@@ -426,10 +426,10 @@ def plot_section(result: Result) -> Figure:
         for (name, look), pressure, outline in zip(looks(), pressures, outlines, strict=True):
             axes[0].plot(part, pressure, **look | {"label": name, "marker": "."})
             axes[1].plot(*outline.T, **look)
-        axes[0].set(xlabel="part of the chord", ylabel="$\\Delta p/q$", xlim=(0, 1))
+        axes[0].set(xlabel="fraction of the chord", ylabel="$\\Delta p/q$", xlim=(0, 1))
         axes[0].set_ylim(bottom=0)
         axes[0].legend()
-        axes[1].set(xlabel="along the stream [m]", ylabel="up [m]", aspect="equal")
+        axes[1].set(xlabel="streamwise [m]", ylabel="vertical [m]", aspect="equal")
     return page
 
 
@@ -442,10 +442,10 @@ def plot_span(result: Result) -> Figure:
         axes[1].plot(y, result.arrays["twist"], **elastic)
         for (name, look), lift in zip(looks(), result.arrays["lift"], strict=True):
             axes[2].plot((y[1:] + y[:-1]) / 2, lift, **look | {"label": name})
-        titles = ("rise [m]", "twist, nose up [°]", "lift per length over $q$ [m]")
+        titles = ("deflection [m]", "twist, nose up [°]", "lift per length over $q$ [m]")
         for panel, title in zip(axes, titles, strict=True):
             panel.set(title=title, xlim=(0, 1))
-        axes[1].set_xlabel("part of the half span")
+        axes[1].set_xlabel("fraction of the half span")
         axes[2].set_ylim(bottom=0)
         axes[2].legend()
     return page
@@ -468,7 +468,7 @@ def plot_turns(result: Result) -> Figure:
         for look, (key, name) in zip(shades("MLS", 3), names.items(), strict=True):
             size = result.arrays[key]
             axes[0].semilogy(np.arange(len(size)), size, **look | {"label": name, "markersize": 2})
-        axes[0].set(xlabel="turns", ylabel="residual, relative")
+        axes[0].set(xlabel="steps", ylabel="residual, relative")
         axes[0].legend()
         q = np.array(params.pressures) * params.pressure / 1000
         most = 1.25 * q[-1]
@@ -487,9 +487,7 @@ def plot_turns(result: Result) -> Figure:
                 axes[1].plot(bound, 1, marker="*", markersize=10, color="black", zorder=5)
         axes[1].axhline(1, color="black", linewidth=0.6)
         axes[1].axvline(params.pressure / 1000, color="black", linewidth=0.6, linestyle=":")
-        axes[1].set(
-            xlabel="dynamic pressure [kPa]", ylabel="factor of a plain turn", xlim=(0, most)
-        )
+        axes[1].set(xlabel="dynamic pressure [kPa]", ylabel="contraction factor", xlim=(0, most))
         axes[1].set_ylim(0, 1.5)
         axes[1].legend(title="sweep")
     return page

@@ -93,7 +93,7 @@ def plot_profiles(result: Result) -> Figure:
     with figure(height=4.6, rows=2) as (page, axes):
         for panel, (name, called) in zip(axes, PLACES.items(), strict=True):
             _profile(panel, result, name)
-            panel.set_title(f"through the worst place of {called}")
+            panel.set_title(f"through the largest error of {called}")
         axes[-1].set_xlabel("kilometres east of the western edge")
         page.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return page
@@ -143,7 +143,7 @@ def plot_terraces(result: Result) -> Figure:
                 del look["marker"]
                 below.stairs(shares, arrays["phase_edges"], baseline=None, **look)
         below.set(xlabel="height above the nearest isoline, in spacings", xlim=(-0.5, 0.5))
-        below.set(ylabel="cells / cells if even", ylim=(0, None))
+        below.set(ylabel="density / uniform density", ylim=(0, None))
         below.legend(loc="upper right")
     return page
 
@@ -206,7 +206,7 @@ def _profile(axes: Axes, result: Result, worst_of: str) -> None:
     axes.yaxis.set_major_locator(MultipleLocator(result.params.spacing))
     axes.set(
         ylabel="height, m",
-        title=f"through the worst place of the {worst_of}".replace("the MLS", "MLS"),
+        title=f"through the largest error of the {worst_of}".replace("the MLS", "MLS"),
     )
 
 

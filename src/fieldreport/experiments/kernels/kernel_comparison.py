@@ -308,8 +308,8 @@ def plot_far(result: Result) -> Figure:
     with figure(height=2.6) as (page, axes):
         for name, look in curves.items():
             axes.plot(distances, np.maximum(np.abs(result.arrays[name]), 1e-4), **look)
-        axes.axhline(1, **line("truth", linewidth=0.6, label="size of the data"))
+        axes.axhline(1, **line("truth", linewidth=0.6, label="magnitude of the data"))
         axes.set(xscale="log", yscale="log", ylim=(3e-3, None))
-        axes.set(xlabel="distance from the middle of the data", ylabel="|field|")
+        axes.set(xlabel="distance from the centre of the data", ylabel="|field|")
         axes.legend(loc="upper left")
     return page

@@ -186,7 +186,7 @@ def plot(result: Result) -> Figure:
         below.axhline(0, color="black", linewidth=0.8)
         shown = np.interp(a["times"], TIMES, a["curves"][0] / np.abs(a["curves"][0]).max())
         below.plot(a["times"], shown, **line("LS", linestyle="none", marker="o", label=None))
-        below.set(title="determinant, over its largest size", xlabel="time")
+        below.set(title="determinant / its largest magnitude", xlabel="time")
         page.legend(*below.get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return page
 

@@ -280,7 +280,7 @@ def plot_choice(result: Result) -> Figure:
                 regret = np.exp(np.log(result.arrays[f"regret_{key}"]).mean(axis=0))
                 costs.plot(noises, regret, **look)
         choices.set(title="chosen ε", xlabel="noise σ", yscale="log")
-        costs.set(title="error there / least error", xlabel="noise σ", yscale="log")
+        costs.set(title="regret", xlabel="noise σ", yscale="log")
         costs.set_yticks([1, 2, 5, 10], ["1", "2", "5", "10"])
         costs.legend(*choices.get_legend_handles_labels(), loc="upper right")
     return page

@@ -217,7 +217,7 @@ def plot(result: Result) -> Figure:
             left.plot(a["at"], curve, **look)
             right.plot(a["at"], bend, **look)
         left.plot(a["sites"], a["values"], **line("data", label=None), markersize=5)
-        left.set(title="through the data and beyond", xlabel="$x$", ylim=(-2.6, 2.6))
+        left.set(title="interpolants", xlabel="$x$", ylim=(-2.6, 2.6))
         size = 1.6 * result.params.frequency**2
         right.set(title="second derivative", xlabel="$x$", ylim=(-size, size))
         handles, labels = left.get_legend_handles_labels()
@@ -240,7 +240,7 @@ def plot_locality(result: Result) -> Figure:
         decay.semilogy(steps, np.abs(a["weights"]), **line("RBF", linestyle="none", label="weight"))
         reference = np.abs(a["weights"][5]) * DECAY ** (steps - steps[5])
         decay.semilogy(steps, reference, **line("truth", label=r"$(2-\sqrt{3})^j$"))
-        decay.set(title="influence of a datum", xlabel="sites away")
+        decay.set(title="influence of a datum", xlabel="distance in intervals")
         decay.legend(loc="upper right")
         for column, (look, label) in enumerate(
             zip(shades("RBF", 2), ("middle third", "outer intervals"), strict=True)

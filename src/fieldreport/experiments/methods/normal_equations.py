@@ -174,7 +174,7 @@ def plot(result: Result) -> Figure:
         left.plot(offsets, of_normal, **looks[0] | {"linestyle": "none"}, label="$B^T B$")
         left.plot(offsets, of_b, **looks[1] | {"linestyle": "none"}, label="$B$")
         left.axhline(1 / ROUNDING, color="black", linewidth=0.6, linestyle=":")
-        left.annotate("no digit left", (offsets[0], 1 / ROUNDING), va="bottom", fontsize=8)
+        left.annotate("no correct digit", (offsets[0], 1 / ROUNDING), va="bottom", fontsize=8)
         left.set(title="condition number", xlabel="offset of the unit square")
         left.legend(loc="upper left")
         for look, solver, error in zip(looks, SOLVERS, errors.T, strict=True):

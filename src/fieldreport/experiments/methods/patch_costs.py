@@ -140,9 +140,11 @@ def plot_growth(result: Result) -> Figure:
         for k, (step, look) in enumerate(zip(STEPS, ("LS", "MLS", "PU"), strict=True)):
             left.plot(sites, [r[2 + k] for r in plane], **line(look, label=step))
         left.legend()
-        left.set(title="seconds", xlabel="sites, and as many queries", xscale="log", yscale="log")
+        left.set(
+            title="seconds", xlabel="number of sites and of queries", xscale="log", yscale="log"
+        )
         right.plot(sites, [r[5] for r in plane], **line("PU"))
         right.set(
-            title="memory, GB", xlabel="sites, and as many queries", xscale="log", yscale="log"
+            title="memory, GB", xlabel="number of sites and of queries", xscale="log", yscale="log"
         )
     return page

@@ -342,7 +342,9 @@ def plot_growth(result: Result) -> Figure:
             (axes[1], "memory MiB", "memory of the process, MiB"),
         ):
             _curves(panel, here, methods, "sites", column)
-            panel.set(title=title, xlabel="sites, and as many queries", xscale="log", yscale="log")
+            panel.set(
+                title=title, xlabel="number of sites and of queries", xscale="log", yscale="log"
+            )
         _legend(page, axes)
     return page
 

@@ -287,7 +287,12 @@ def plot_sweep(result: Result) -> Figure:
         for basis, kept, error in zip(DEGREES.values(), a["kept"], a["error"], strict=True):
             slopes.plot(a["ratios"], kept, **looks[basis], label=f"{basis} polynomials")
             errors.plot(a["ratios"], error, **looks[basis])
-        slopes.set(title="slope kept at the sites", xscale="log", xlabel="ε / h", ylim=(-0.05, 1.1))
+        slopes.set(
+            title="slope at the samples / true slope",
+            xscale="log",
+            xlabel="ε / h",
+            ylim=(-0.05, 1.1),
+        )
         errors.set(title="root mean square error", xscale="log", yscale="log", xlabel="ε / h")
         slopes.legend(loc="center left")
     return page

@@ -64,7 +64,7 @@ class Params(Parameters):
         0.3, "standard deviation of the noise, in spacings of the points", least=0, most=10
     )
     sizes: tuple[int, ...] = parameter(
-        (75, 150, 300, 600), "points of the spheroid", least=20, fewest=2, order="increasing"
+        (75, 150, 300, 600), "points of the ellipsoid", least=20, fewest=2, order="increasing"
     )
     cells: tuple[int, ...] = parameter(
         (4, 8, 16), "cells across the tube of a torus", least=2, fewest=2, order="increasing"
@@ -152,9 +152,9 @@ def reconstructed(scan: SyntheticScan) -> Rebuilt:
 
 
 def errors_of(n: int) -> tuple[float, ...]:
-    """Return the rms distance of a spheroid from the surface through n points, by each method."""
-    points, normals = spheroid(n)
-    queries, _ = spheroid(1234)
+    """Return the rms distance of an ellipsoid from the surface through n points, by each method."""
+    points, normals = ellipsoid(n)
+    queries, _ = ellipsoid(1234)
     bodies = [implicit_surface(points, normals, method=m, smoothing=0.0) for m in METHODS]
     return tuple(float(np.sqrt(np.mean(body.distances(queries) ** 2))) for body in bodies)
 
@@ -313,8 +313,8 @@ def damaged(count: int, noise: float, seed: int) -> dict[str, SyntheticScan]:
     }
 
 
-def spheroid(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return points (n, 3) evenly distributed on an oblate spheroid, and its normals."""
+def ellipsoid(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return points (n, 3) evenly distributed on an ellipsoid, and its normals."""
     z = 1 - (2 * np.arange(n) + 1) / n
     angle = np.pi * (1 + 5**0.5) * np.arange(n)
     ball = np.column_stack([np.cos(angle), np.sin(angle), z])

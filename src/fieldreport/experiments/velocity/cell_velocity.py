@@ -265,6 +265,7 @@ def _facts(
         facts |= {
             f"order_{d}d": order(steps[d], curves[d][:, 0]),
             f"order_inner_{d}d": order(steps[d], curves[d][:, PLACES.index("inner vertices")]),
+            f"gain_inner_{d}d": curves[d][-1, 0] / curves[d][-1, PLACES.index("inner vertices")],
             f"disturbance_gain_{d}d": change / params.disturbance,
             f"disturbance_off_percent_{d}d": 100 * abs(change / predicted - 1),
             f"defect_over_noise_{d}d": defect,
@@ -347,8 +348,8 @@ def plot(result: Result) -> Figure:
             look = {"angles": "xy", "scale_units": "xy", "scale": 4.2, "zorder": 3}
             at = arrays["circumcenters"].T
             thick = {"width": 0.021, "headwidth": 2.2, "headlength": 2.6, "headaxislength": 2.4}
-            panel.quiver(*at, *true.T, color=TRUE, label="true", **thick, **look)
-            panel.quiver(*at, *found.T, color=FOUND, width=0.006, label="found", **look)
+            panel.quiver(*at, *true.T, color=TRUE, label="exact", **thick, **look)
+            panel.quiver(*at, *found.T, color=FOUND, width=0.006, label="reconstructed", **look)
             panel.set_title(name)
             _bare(panel)
         axes[1].legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2)

@@ -37,7 +37,8 @@ from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
 from fieldreport.framework.parameters import Parameters, parameter, require
 
 METHODS = ("LS", "MLS", "RBF")
-MESHES = {"jittered, plane": 2, "equilateral, plane": 2, "jittered, space": 3}
+SPACE = "jittered, space"
+MESHES = {"jittered, plane": 2, "equilateral, plane": 2, SPACE: 3}
 WHERE = ("inside", "boundary")
 STEP = 1e-5  # of central differences, in steps of the mesh
 
@@ -189,6 +190,11 @@ def _means(mesh: SimplexMesh) -> np.ndarray:
     return pressure(center + (corners - center) / np.sqrt(corners.shape[1] + 1)).mean(axis=1)
 
 
+def cells_at_inner_vertices(mesh: SimplexMesh) -> float:
+    """Return the mean number of cells around an inner vertex."""
+    return float(np.diff(mesh.vertex_cell_incidence.indptr)[~mesh.boundary_vertices].mean())
+
+
 def _inside_and_boundary(mesh: SimplexMesh, found: np.ndarray) -> list[float]:
     error, used = found - pressure_gradient(mesh.points), mesh.referenced
     inner = ~mesh.boundary_vertices
@@ -234,6 +240,7 @@ def _facts(
         "best_diffuse": sweep[:, 1].min(),
         "largest_difference": sweep[:, 2].max(),
         "largest_difference_ratio": ratios[np.argmax(sweep[:, 2])],
+        "cells_at_vertex_3d": cells_at_inner_vertices(_mesh(params, SPACE, params.sides_3d[-1])),
     }
     gaps = differences_from_others(params)
     return facts | {f"gap_{name.lower()}": order_of_magnitude(gap) for name, gap in gaps.items()}

@@ -350,8 +350,8 @@ def plot(result: Result) -> Figure:
         _arrows(arrows, a["points"][left], a["truth"][left], scale, **truth)
         arrows.margins(0.12)
         marked.set(xlim=arrows.get_xlim(), ylim=arrows.get_ylim())
-        marked.set_title("vertices that one ring does not determine")
-        arrows.set_title("the velocities that it gives them")
+        marked.set_title("undetermined by one ring")
+        arrows.set_title("their velocities of least norm")
         page.legend(loc="outside lower center", ncols=5, handlelength=1.2, columnspacing=1.2)
     return page
 

@@ -1,0 +1,219 @@
+"""Surveys with held-out lines, blocks and samples: the chosen method and its error against SciPy's.
+
+A fifth of the samples is held out: at random, in square blocks, or as whole lines. *Ours* is what
+`fieldrecon reconstruct --at` computes. SciPy's is the best of three kernels of `RBFInterpolator` at
+the held-out samples, with 50 neighbours and the smoothing chosen by cross-validation on the others.
+Linear interpolation on triangles (griddata), kriging and verde stand beside it; griddata is
+compared at the held-out samples that it answers.
+The tables of the folder that FIELDRECON_SURVEYS names are measured as well: text with a header
+and the columns x, y and value, the coordinates in one unit of length.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from time import process_time
+
+import numpy as np
+from scipy.interpolate import RBFInterpolator
+
+from benchmarks.compared_methods import Fit, kriging, scipy_linear, verde_cross_validated
+from benchmarks.timing import BenchmarkResult, Table, Track
+from fieldrecon.datasets.elevation import terrain
+from fieldrecon.selection.cross_validation import CrossValidator, best
+from fieldrecon.selection.error_bands import ErrorBand
+from fieldrecon.selection.leaving_one_out import leave_one_out
+from fieldrecon.selection.models import MODELS
+
+KERNELS = ("linear", "thin_plate_spline", "cubic")
+SMOOTHINGS = (0.0, 0.1, 1.0, 10.0, 100.0, 1000.0)
+NEIGHBORS = 50
+HELD_OUT = 0.2
+TRACKS_APART = 10
+FEW, SPLITS_OF_FEW = 1000, 20
+PEERS: dict[str, Fit] = {
+    "griddata": scipy_linear,
+    "kriging": kriging,
+    "verde": verde_cross_validated,
+}
+COLUMNS = (
+    *("survey", "held out", "samples", "ours / SciPy", *(f"ours / {name}" for name in PEERS)),
+    *("predicted / true", "covered", "width / constant", "s"),
+)
+
+
+@dataclass(frozen=True)
+class Size:
+    splits: int = 5
+    samples: int = 4000
+    """Largest number of samples of a survey; of a larger one, those nearest to a random one."""
+
+
+FULL = Size()
+QUICK = Size(2, 1500)
+TOY = Size(1, 200)
+
+
+def run(size: Size, track: Track) -> BenchmarkResult:
+    cases = [(name, how) for name in surveys(size) for how in SPLITS]
+    rows = []
+    for name, how in track(cases, "surveys"):
+        points, values = surveys(size)[name]
+        few = len(points) < FEW and size.splits > 1
+        splits = range(SPLITS_OF_FEW if few else size.splits)
+        found = np.array([measured(points, values, how, seed) for seed in splits])
+        rows.append((name, how, len(points), *map(_mean, found.T)))
+    return BenchmarkResult(
+        parameters={"splits": size.splits, "neighbours of SciPy": NEIGHBORS},
+        tables=[Table("Means over the splits", COLUMNS, rows)],
+        notes=[
+            "Ratios are those of root mean square errors at the held-out samples. The error of the "
+            "chosen method is predicted by cross-validation on the other samples. The width of the "
+            "band is compared with the narrowest constant band of the same coverage. Surveys of "
+            f"fewer than {FEW} samples have {SPLITS_OF_FEW} splits."
+        ],
+    )
+
+
+def _mean(numbers: np.ndarray) -> float | str:
+    """The mean over the splits in which there is a number."""
+    there = numbers[~np.isnan(numbers)]
+    return float(there.mean()) if len(there) else "–"
+
+
+def surveys(size: Size) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Samples and values by name: terrain along tracks, and files."""
+    grid = terrain()
+    rows = np.arange(grid.height.size).reshape(grid.height.shape)[::TRACKS_APART].ravel()
+    height = grid.height.ravel().astype(float)
+    found = {"terrain along tracks": (grid.points[rows], height[rows])}
+    if folder := os.environ.get("FIELDRECON_SURVEYS"):
+        for path in sorted(Path(folder).glob("*.csv")):
+            table = np.loadtxt(path, delimiter=",", skiprows=1)
+            found[path.stem] = table[:, :2], table[:, 2]
+    return {name: nearby(*samples, size.samples) for name, samples in found.items()}
+
+
+def nearby(points: np.ndarray, values: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """The samples nearest to the middle of the samples, if there are more."""
+    distance = np.linalg.norm(points - np.median(points, axis=0), axis=1)
+    near = np.sort(np.argsort(distance, kind="stable")[:count])
+    return points[near], values[near]
+
+
+def at_random(points: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    return rng.random(len(points)) < HELD_OUT
+
+
+def by_blocks(points: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Whole squares, about ten along each side."""
+    side = np.ptp(points, axis=0).max() / 10
+    return _some(np.unique(points // side, axis=0, return_inverse=True)[1].ravel(), rng)
+
+
+def by_lines(points: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Whole strips across the second coordinate: lines, where samples lie along such."""
+    low, size = points[:, 1].min(), np.ptp(points[:, 1])
+    return _some(np.round((points[:, 1] - low) / size * 40).astype(int), rng)
+
+
+def _some(label: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    own = np.unique(label)
+    drawn = rng.choice(own, max(1, int(HELD_OUT * len(own))), replace=False)
+    return np.isin(label, drawn)
+
+
+SPLITS: dict[str, Callable[[np.ndarray, np.random.Generator], np.ndarray]] = {
+    "random": at_random,
+    "blocks": by_blocks,
+    "lines": by_lines,
+}
+
+
+def measured(points: np.ndarray, values: np.ndarray, how: str, seed: int) -> tuple[float, ...]:
+    """The numbers of one split, in the order of the columns."""
+    out = SPLITS[how](points, np.random.default_rng(seed))
+    own, data, x, truth = points[~out], values[~out], points[out], values[out]
+    began = process_time()
+    validator = CrossValidator.of(own, data, x)
+    score, field = best(
+        validator.compare([*MODELS.values()]), lambda score: score.maker(own).field(data)
+    )
+    residuals = validator.residuals(score.maker)
+    band = ErrorBand(own, validator.folds, residuals, leave_one_out(field.method, data))
+    error, width = abs(field(x) - truth), band(x)
+    seconds = process_time() - began
+    covered = float(np.mean(error <= width))
+    true = rms(error)
+    return (
+        true / min(_error_of_scipy(kernel, own, data, x, truth) for kernel in KERNELS),
+        *(_ratio(error, fit, own, data, x, truth) for fit in PEERS.values()),
+        rms(residuals) / true,
+        covered,
+        float(width.mean() / np.quantile(error, covered)),
+        seconds,
+    )
+
+
+def _ratio(
+    error: np.ndarray,
+    fit: Fit,
+    points: np.ndarray,
+    values: np.ndarray,
+    x: np.ndarray,
+    truth: np.ndarray,
+) -> float:
+    """Our error over that of another method where it answers; NaN if it is not installed."""
+    try:
+        other = fit(points, values)(x) - truth
+    except ImportError:
+        return np.nan
+    answered = np.isfinite(other)
+    return rms(error[answered]) / rms(other[answered]) if answered.any() else np.nan
+
+
+def _error_of_scipy(
+    kernel: str, points: np.ndarray, values: np.ndarray, x: np.ndarray, truth: np.ndarray
+) -> float:
+    """The error, or infinity where the 50 samples nearest to a query are on one line."""
+    try:
+        return rms(scipy(kernel, points, values)(x) - truth)
+    except np.linalg.LinAlgError:
+        return np.inf
+
+
+def scipy(kernel: str, points: np.ndarray, values: np.ndarray) -> RBFInterpolator:
+    """SciPy's interpolant with the smoothing of least error in three-fold cross-validation."""
+    fold = np.random.default_rng(0).permutation(len(points)) % 3
+    make = {s: _scipy(kernel, s) for s in SMOOTHINGS}
+
+    def error(smoothing: float) -> float:
+        return rms(np.concatenate([*_misses(make[smoothing], points, values, fold)]))
+
+    return make[min(SMOOTHINGS, key=error)](points, values)
+
+
+def _scipy(kernel: str, smoothing: float) -> Callable[..., RBFInterpolator]:
+    def make(points: np.ndarray, values: np.ndarray) -> RBFInterpolator:
+        neighbors = min(NEIGHBORS, len(points))
+        return RBFInterpolator(points, values, neighbors, smoothing, kernel)
+
+    return make
+
+
+def _misses(
+    make: Callable[..., RBFInterpolator], points: np.ndarray, values: np.ndarray, fold: np.ndarray
+) -> Iterator[np.ndarray]:
+    for k in range(3):
+        out = fold == k
+        try:
+            yield make(points[~out], values[~out])(points[out]) - values[out]
+        except np.linalg.LinAlgError:  # too little smoothing for samples on one line
+            yield np.array([np.inf])
+
+
+def rms(residuals: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(residuals**2)))

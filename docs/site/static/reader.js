@@ -1,0 +1,62 @@
+// Helps for readers; everything is readable without them.
+
+// A formula that is too long gets the margin, and fades where it can be scrolled.
+for (const formula of document.querySelectorAll('.chapter math[display="block"]')) {
+  if (formula.scrollWidth <= formula.clientWidth + 1) continue;
+  formula.parentElement.classList.add("beyond");
+  const mark = () => formula.classList.toggle("cut", formula.scrollWidth - formula.scrollLeft > formula.clientWidth + 1);
+  formula.addEventListener("scroll", mark, { passive: true });
+  formula.tabIndex = 0;
+  mark();
+}
+
+// A button at each listing copies its text, without the prompts of Python.
+for (const box of document.querySelectorAll("div.highlight, .chapter pre")) {
+  if (box.parentElement.closest("div.highlight") || box.closest(".sphx-glr-script-out")) continue;
+  const button = document.createElement("button");
+  button.className = "copy";
+  button.textContent = "Copy";
+  button.setAttribute("aria-label", "Copy this code");
+  button.addEventListener("click", async () => {
+    const lines = (box.querySelector("pre") || box).innerText.replace(/\s*Copy$/, "").split("\n");
+    const typed = lines.filter(line => /^(>>>|\.\.\.)( |$)/.test(line)).map(line => line.slice(4));
+    await copy((typed.length ? typed : lines).join("\n"));
+    button.textContent = "Copied";
+    setTimeout(() => (button.textContent = "Copy"), 1500);
+  });
+  box.classList.add("copied-from");
+  box.append(button);
+}
+
+async function copy(text) {
+  if (navigator.clipboard) return navigator.clipboard.writeText(text);
+  const field = document.body.appendChild(document.createElement("textarea"));
+  field.value = text;
+  field.select();
+  document.execCommand("copy");
+  field.remove();
+}
+
+// A link to an equation, a statement or a figure of this page shows it.
+const preview = document.body.appendChild(document.createElement("div"));
+preview.className = "preview chapter";
+preview.hidden = true;
+
+function show(link) {
+  const target = document.getElementById(decodeURIComponent(link.hash.slice(1)));
+  if (!target || target.tagName === "SECTION") return;
+  preview.replaceChildren(target.cloneNode(true));
+  preview.querySelectorAll("[id]").forEach(part => part.removeAttribute("id"));
+  preview.querySelectorAll("img").forEach(image => (image.loading = "eager"));
+  preview.hidden = false;
+  const place = link.getBoundingClientRect(), size = preview.getBoundingClientRect();
+  const below = place.bottom + 8 + size.height < innerHeight || place.top < size.height;
+  preview.style.left = `${Math.max(8, Math.min(place.left, innerWidth - size.width - 8))}px`;
+  preview.style.top = `${below ? place.bottom + 8 : place.top - size.height - 8}px`;
+}
+
+for (const link of document.querySelectorAll('.chapter a[href^="#"]:not(.headerlink)')) {
+  for (const event of ["mouseenter", "focus"]) link.addEventListener(event, () => show(link));
+  for (const event of ["mouseleave", "blur"]) link.addEventListener(event, () => (preview.hidden = true));
+}
+document.addEventListener("keydown", event => event.key === "Escape" && (preview.hidden = true));

@@ -1,0 +1,237 @@
+"""Patterns of wrong values: a multiple of the right ones, another order, a single wrong column.
+
+A pattern is a statement on the returned numbers. It is reported only if it holds in every wrong
+case, so it is true whatever the code of the student.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+
+from fieldcheck.answers import rows_sorted
+from fieldcheck.calls import Call, Values
+from fieldcheck.question import LEAST_TOLERANCE, Question, scale
+
+CLOSE = 1e-6
+"""Relative difference of factors that count as equal."""
+FACTORS = {
+    **{str(n): float(n) for n in (2, 3, 4, 6, 8)},
+    **{f"1/{n}": 1 / n for n in (2, 3, 4, 6, 8)},
+    "π": np.pi,
+    "2π": 2 * np.pi,
+    "4π": 4 * np.pi,
+    "8π": 8 * np.pi,
+    "16π": 16 * np.pi,
+    "1/π": 1 / np.pi,
+    "1/(2π)": 1 / (2 * np.pi),
+    "1/(4π)": 1 / (4 * np.pi),
+    "1/(8π)": 1 / (8 * np.pi),
+    "1/(16π)": 1 / (16 * np.pi),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """The returned and the right arrays of a call, in normal form."""
+
+    name: str
+    values: Values
+    right: Values
+    tolerance: float
+
+    @property
+    def pairs(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """The returned and the right array, one pair after the other."""
+        return zip(self.values, self.right, strict=True)
+
+    def differ(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """Return where two arrays of one shape differ by more than the tolerance."""
+        return ~(np.abs(a - b) <= self.tolerance * scale(b))
+
+    def same(self, a: np.ndarray, b: np.ndarray) -> bool:
+        """Return whether two arrays are equal within the tolerance."""
+        return a.shape == b.shape and not self.differ(a, b).any()
+
+    def right_if(self, changed: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> bool:
+        """Return whether the values are right once `changed(value, right)` replaces them."""
+        return all(self.same(changed(v, r), r) for v, r in self.pairs)
+
+
+def pattern(
+    question: Question, calls: Sequence[Call], values: Sequence[Values], right: Sequence[Values]
+) -> str:
+    """Return what the wrong values have in common, in one or two sentences, or nothing.
+
+    Parameters
+    ----------
+    question : Question
+        The question.
+    calls : sequence of Call
+        The calls.
+    values, right : sequence of Values
+        The returned and the right arrays of each call, of the same shapes.
+    """
+    cases = [
+        Case(
+            call.case,
+            question.normal_form(call, v),
+            question.normal_form(call, r),
+            max(question.tolerance(call), LEAST_TOLERANCE),
+        )
+        for call, v, r in zip(calls, values, right, strict=True)
+    ]
+    wrong = [case for case in cases if not case.right_if(lambda v, _: v)]
+    if not wrong:
+        return ""
+    arithmetic = () if are_truth_values(right) else (_zero, _factor, _signs, _offset)
+    kinds = (*arithmetic, _outputs, _order, _positions)
+    found = next(filter(None, (kind(wrong) for kind in kinds)), "")
+    return " ".join(filter(None, (_where(cases, wrong), found)))
+
+
+def are_truth_values(answers: Sequence[Values]) -> bool:
+    """Whether all values of all answers are 0 or 1, so that none is too large by an amount."""
+    return all(np.isin(value, (0, 1)).all() for values in answers for value in values)
+
+
+def _where(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
+    right = [case.name for case in cases if case not in wrong]
+    if len(wrong) == 1 < len(cases):
+        return f"Your values are wrong only for {wrong[0].name}."
+    return f"Your values are right only for {right[0]}." if len(right) == 1 else ""
+
+
+def _zero(wrong: Sequence[Case]) -> str:
+    zero = all(not v.any() for case in wrong for v in case.values)
+    return "The wrong values are all zero." if zero else ""
+
+
+def _factor(wrong: Sequence[Case]) -> str:
+    """Recognise v = k r with one k in all cases, or another k in each case of many entries."""
+    factors = [k for case in wrong if (k := _factor_of(case))]
+    entries = [sum(np.count_nonzero(r) for r in case.right) for case in wrong]
+    if len(factors) < len(wrong) or sum(entries) < 2:
+        return ""
+    if np.allclose(factors, factors[0], rtol=CLOSE) and _plausible(factors[0], wrong):
+        return f"The wrong values are the right ones {_times(factors[0])}."
+    if min(entries) < 3:
+        return ""
+    each = [f"{_times(k)} for {case.name}" for k, case in zip(factors, wrong, strict=True)]
+    return f"The wrong values are the right ones {', and '.join(each[:2])}."
+
+
+def _factor_of(case: Case) -> float:
+    """Return k if v = k r, else zero."""
+    v, r = (np.concatenate([a.ravel() for a in arrays]) for arrays in (case.values, case.right))
+    k = float(v @ r / (r @ r)) if r.any() else 0.0
+    return k if k and case.right_if(lambda v, _: v / k) else 0.0
+
+
+def _times(factor: float) -> str:
+    if np.isclose(factor, -1, rtol=CLOSE):
+        return "with the opposite sign"
+    size = abs(factor)
+    number = f"{size:.4g}" if abs(size - 1) > 1e-3 else f"(1 {size - 1:+.1e})"
+    return f"times {'−' if factor < 0 else ''}{_named(factor) or number}"
+
+
+def _named(factor: float) -> str:
+    """Return the name of the absolute value of a factor, if it has one."""
+    names = (n for n, value in FACTORS.items() if np.isclose(abs(factor), value, rtol=CLOSE))
+    return next(names, "")
+
+
+def _plausible(factor: float, wrong: Sequence[Case]) -> bool:
+    """Return whether a factor says more than that one whole number stands for another."""
+    whole = all((r == np.round(r)).all() for case in wrong for r in case.right)
+    return not whole or factor < 0 or bool(_named(factor))
+
+
+def _signs(wrong: Sequence[Case]) -> str:
+    only_signs = all(case.right_if(np.copysign) for case in wrong)
+    return "The wrong values differ from the right ones only in sign." if only_signs else ""
+
+
+def _offset(wrong: Sequence[Case]) -> str:
+    """Recognise v = r + c, with one c for all entries of all cases."""
+    c = float((wrong[0].values[0] - wrong[0].right[0]).flat[0])
+    several = sum(r.size for case in wrong for r in case.right) > 2
+    if not several or not all(case.right_if(lambda v, _: v - c) for case in wrong):
+        return ""
+    return f"The wrong values are all too {'large' if c > 0 else 'small'} by {abs(c):.4g}."
+
+
+def _outputs(wrong: Sequence[Case]) -> str:
+    """Recognise arrays that are exchanged, and right arrays beside wrong ones."""
+    count = len(wrong[0].right)
+    for order in permutations(range(count)):
+        if all(
+            case.same(case.values[i], case.right[j]) for case in wrong for j, i in enumerate(order)
+        ):
+            return "The returned arrays are the right ones in another order."
+    right = [j for j in range(count) if all(c.same(c.values[j], c.right[j]) for c in wrong)]
+    return f"Only array {right[0] + 1} of the returned {count} is right." if len(right) == 1 else ""
+
+
+ORDERS: tuple[tuple[str, Callable[[np.ndarray], np.ndarray], bool], ...] = (
+    ("The wrong arrays are the transposes of the right ones.", lambda a: a.T, False),
+    ("The wrong arrays are right in the reverse order.", lambda a: a[::-1] if a.ndim else a, False),
+    (
+        "The wrong arrays are right with their columns in the reverse order.",
+        lambda a: a[..., ::-1] if a.ndim else a,
+        False,
+    ),
+    ("The wrong arrays have the right rows in another order.", rows_sorted, True),
+    (
+        "The wrong arrays have the right columns in another order.",
+        lambda a: rows_sorted(a.T),
+        True,
+    ),
+    ("The wrong values are the right ones at other positions.", lambda a: np.sort(a, None), True),
+)
+"""Sentence, a rearrangement of an array, and whether the right array is rearranged, too."""
+
+
+def _order(wrong: Sequence[Case]) -> str:
+    for sentence, arranged, both in ORDERS:
+        if all(
+            case.same(arranged(v), arranged(r) if both else r)
+            for case in wrong
+            for v, r in case.pairs
+        ):
+            return sentence
+    return ""
+
+
+def _positions(wrong: Sequence[Case]) -> str:
+    """Recognise that only one entry, row or column is wrong, or right, and always the same one."""
+    if len(wrong[0].right) > 1:
+        return ""
+    each = [_statements(case.differ(case.values[0], case.right[0])) for case in wrong]
+    return next((s for s in each[0] if all(s in others for others in each)), "")
+
+
+def _statements(wrong: np.ndarray) -> list[str]:
+    """Return the true statements on which entries are wrong."""
+    statements = []
+    if wrong.ndim == 2 and wrong.shape[0] == wrong.shape[1] > 1:
+        i, j = np.indices(wrong.shape)
+        parts = {"on": i == j, "above": i < j, "below": i > j}
+        for name, part in parts.items():
+            if not wrong[~part].any():
+                statements.append(f"Only values {name} the diagonal are wrong.")
+            if wrong[~part].all() and not wrong[part].any():
+                statements.append(f"Only the values {name} the diagonal are right.")
+    for axis, name in enumerate({1: ["entry"], 2: ["row", "column"]}.get(wrong.ndim, ())):
+        along = np.asarray(wrong if wrong.ndim == 1 else wrong.any(axis=1 - axis))
+        for word, chosen in (("wrong", along), ("right", ~along)):
+            if chosen.sum() == 1 < len(chosen):
+                k = int(chosen.argmax())
+                statements.append(f"Only {name} [{k}] is {word}.")
+                if k == len(chosen) - 1:
+                    statements.append(f"Only the last {name} is {word}.")
+    return statements

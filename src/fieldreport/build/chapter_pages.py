@@ -1,0 +1,240 @@
+"""The report as fragments of HTML by chapter, which the site of the documentation puts into pages.
+
+The folder has a fragment for each chapter, the fonts, the figures in light and dark, and the data
+of each figure. Everything is named relative to this folder.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+from typing import Final
+
+from fieldrecon._core.atomic_files import write_atomically
+from fieldrecon.plotting.figure_files import figure_bytes
+from fieldreport.build import widget_scripts
+from fieldreport.build.errors import BuildError
+from fieldreport.build.rerun import ExperimentJob
+from fieldreport.build.screen_figures import dark, light, webp
+from fieldreport.build.typesetting import UPRIGHT_NABLA, Document
+from fieldreport.framework.result_files import read_result
+
+CONTENTS: Final = "contents.json"
+"""The file with the chapters in their order, written last."""
+LARGE: Final = 180_000
+"""Length of a figure as text above which a raster is smaller and is drawn faster."""
+CHAPTER: Final = re.compile(r'<section id="([^"]+)" class="level2\b')
+WORK: Final = re.compile(r'<div id="(ref-[^"]+)" class="csl-entry"[^>]*>(.*?)</div>', flags=re.S)
+CITATION: Final = re.compile(r'<a href="#(ref-[^"]+)" role="doc-biblioref"')
+LIVING: Final = re.compile(r"/\* Living figures:.*?\n(?=\n)", flags=re.S)
+"""The part of the style sheet about living figures, up to an empty line."""
+SOLUTION: Final = re.compile(r'<div(?: id="[^"]*")? class="statement solution">')
+FOLD: Final = '<details class="statement solution"><summary>Solution</summary>'
+HEADING: Final = re.compile(r"^# .*\{#([^\s}]+)", flags=re.M)
+FIGURE: Final = re.compile(r"<figure\b.*?</figure>", flags=re.S)
+IMAGE: Final = re.compile(r'<img src="([^":]+)\.svg" (.*?)>')
+LINK: Final = re.compile(r'(?<=href=")#([^"]+)(?=")')
+TEX: Final = re.compile(r"<annotation\b.*?</annotation>", flags=re.S)
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A chapter of the report.
+
+    Parameters
+    ----------
+    name : str
+        Name of its page, that of its file without the number.
+    content : str
+        HTML.
+    """
+
+    name: str
+    content: str
+
+
+def write_pages(document: Document, jobs: Iterable[ExperimentJob]) -> list[Path]:
+    """Write the fragments, the style, the figures and their data; return the files.
+
+    Parameters
+    ----------
+    document : Document
+        The report, whose text has been set.
+    jobs : iterable of ExperimentJob
+        The experiments, whose figures are drawn and whose tables are written.
+    """
+    out = document.out / "pages"
+    page = document.page.read_text(encoding="utf-8").replace("<mi>∇</mi>", UPRIGHT_NABLA)
+    text = with_works(TEX.sub("", page))
+    pictures = {job.name: Pictures(job, out) for job in jobs}
+    chapters = chapters_of(text, page_names(labels_of(text), document.chapters))
+    made = [write_atomically(out / "report.css", _style(document).encode())]
+    for chapter in chapters:
+        text = FIGURE.sub(lambda figure: for_screen(figure[0], pictures), chapter.content)
+        text = with_folded_solutions(text) + widget_scripts.SCRIPTS
+        content = widget_scripts.embedded(text, document.source, document.out).encode()
+        made.append(write_atomically(out / f"{chapter.name}.html", content))
+    contents = json.dumps([chapter.name for chapter in chapters])
+    made.append(write_atomically(out / CONTENTS, contents.encode()))
+    return sorted({*made, *(path for each in pictures.values() for path in each.written)})
+
+
+def _style(document: Document) -> str:
+    """Return the fonts, and the part of the style sheet that is about living figures."""
+    fonts = (document.out / ".state" / "fonts.css").read_text(encoding="utf-8")
+    living = LIVING.search((document.source / "style.css").read_text(encoding="utf-8"))
+    return fonts + (living[0] if living else "")
+
+
+def page_names(labels: list[str], paths: Iterable[Path]) -> list[str]:
+    """Return the name of each chapter's page.
+
+    It is the name of the file that begins with the chapter, without number; a chapter further down
+    in a file is named by its label.
+
+    Parameters
+    ----------
+    labels : list of str
+        The labels of the chapters, such as ``"sec:least-squares"``.
+    paths : iterable of Path
+        The files.
+    """
+    headings = {
+        first[1]: path.stem.lstrip("0123456789-")
+        for path in paths
+        if (first := HEADING.search(path.read_text(encoding="utf-8")))
+    }
+    return [headings.get(label, label.rpartition(":")[2]) for label in labels]
+
+
+def labels_of(page: str) -> list[str]:
+    """Return the labels of the chapters in their order."""
+    return [html.unescape(label) for label in CHAPTER.findall(page)]
+
+
+def chapters_of(page: str, names: list[str]) -> list[Chapter]:
+    """Split a page at its chapters; links between chapters name the page."""
+    body = page[page.index("<main") : page.index("</main>")]
+    starts = [match.start() for match in CHAPTER.finditer(body)]
+    parts = [body[a:b] for a, b in pairwise([*starts, len(body)])]
+    home = {
+        label: name
+        for name, part in zip(names, parts, strict=True)
+        for label in re.findall(r'\bid="([^"]+)"', part)
+    }
+
+    def target(link: re.Match[str], here: str) -> str:
+        there = home.get(html.unescape(link[1]), here)
+        return link[0] if there == here else f"{there}.html{link[0]}"
+
+    return [
+        Chapter(name, LINK.sub(lambda link, here=name: target(link, here), part))  # type: ignore[misc]
+        for name, part in zip(names, parts, strict=True)
+    ]
+
+
+def with_works(page: str) -> str:
+    """Give each citation the work as a title, which a browser shows under the pointer."""
+    works = {name: " ".join(_plain(entry).split()) for name, entry in WORK.findall(page)}
+
+    def titled(link: re.Match[str]) -> str:
+        work = works.get(html.unescape(link[1]))
+        return f'{link[0]} title="{html.escape(work)}"' if work else link[0]
+
+    return CITATION.sub(titled, page)
+
+
+def _plain(content: str) -> str:
+    return html.unescape(re.sub(r"<[^>]*>", "", content))
+
+
+def with_folded_solutions(content: str) -> str:
+    """Fold each solution, so that a reader can try the exercise first."""
+    before, *solutions = SOLUTION.split(content)
+    return before + "".join(map(_folded, solutions))
+
+
+def _folded(rest: str) -> str:
+    """Return the text after the beginning of a solution, with a fold instead of its division."""
+    depth = 1
+    for tag in re.finditer(r"<(/?)div\b", rest):
+        depth += -1 if tag[1] else 1
+        if not depth:
+            inside = rest[: tag.start()].replace("<strong>Solution.</strong> ", "", 1)
+            after = rest[tag.start() :].removeprefix("</div>")
+            return f"{FOLD}{inside}</details>{after}"
+    raise BuildError("a solution has no end")
+
+
+def for_screen(figure: str, pictures: Mapping[str, Pictures]) -> str:
+    """Return a figure for light and dark pages, with its data and the command that draws it."""
+
+    def image(tag: re.Match[str]) -> str:
+        experiment, stem = html.unescape(tag[1]).split("/")
+        return pictures[experiment].image(stem, tag[2])
+
+    experiments = {html.unescape(source).split("/")[0] for source, _ in IMAGE.findall(figure)}
+    lines = [pictures[name].data_line() for name in sorted(experiments)]
+    return IMAGE.sub(image, figure).replace("</figcaption>", "".join([*lines, "</figcaption>"]))
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """The figures and the tables of an experiment, written beside the chapters.
+
+    Parameters
+    ----------
+    job : ExperimentJob
+        The experiment.
+    out : Path
+        The folder of the chapters.
+    written : set of Path
+        The files that were written.
+    """
+
+    job: ExperimentJob
+    out: Path
+    written: set[Path] = field(default_factory=set)
+
+    def image(self, stem: str, attributes: str) -> str:
+        """Write a figure; return its elements of HTML, one for light pages and one for dark."""
+        picture = light(self.job.figure_file(stem).read_text(encoding="utf-8"))
+        if len(picture) > LARGE:
+            self._write(f"{stem}.webp", self._raster(stem))
+            return self._element(f"{stem}.webp", "raster", attributes)
+        self._write(f"{stem}.svg", picture.encode())
+        self._write(f"{stem}.dark.svg", dark(picture).encode())
+        return "".join(
+            self._element(f"{stem}{suffix}", f"only-{page}", attributes)
+            for page, suffix in (("light", ".svg"), ("dark", ".dark.svg"))
+        )
+
+    def data_line(self) -> str:
+        """Write the tables; return the line with the links to them and the command."""
+        tables = sorted(self.job.folder.glob("*.csv"))
+        for path in tables:
+            self._write(path.name, path.read_bytes())
+        links = [
+            f'<a href="{self.job.name}/{path.name}" download>{path.name}</a>' for path in tables
+        ]
+        data = f"Data: {', '.join(links)}. " if links else ""
+        command = f"<code>fieldrecon report --only {self.job.name}</code>"
+        return f'<span class="data">{data}Drawn by {command}.</span>'
+
+    def _write(self, name: str, content: bytes) -> None:
+        self.written.add(write_atomically(self.out / self.job.name / name, content))
+
+    def _element(self, name: str, kind: str, attributes: str) -> str:
+        return f'<img class="{kind}" loading="lazy" src="{self.job.name}/{name}" {attributes}>'
+
+    def _raster(self, stem: str) -> bytes:
+        """Draw a figure as a raster, twice as fine as it is shown."""
+        experiment = self.job.experiment
+        return webp(
+            figure_bytes(experiment.plots[stem](read_result(self.job.folder, experiment)), "png")
+        )

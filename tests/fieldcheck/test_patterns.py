@@ -1,0 +1,133 @@
+"""Patterns of wrong values are reported, and only if they hold."""
+
+import numpy as np
+import pytest
+
+from fieldcheck.calls import Call
+from fieldcheck.patterns import pattern
+from fieldcheck.question import Question
+
+
+def inputs(seed):
+    random = np.random.default_rng(seed)
+    return tuple(
+        Call("table", (random.normal(size=(n, n)),), case)
+        for n, case in ((3, "a small table"), (5, "a large table"))
+    )
+
+
+CALLS = inputs(0)
+TABLE = Question("99.2", "table", 1, inputs, lambda call: (call.arguments[0].shape,))
+TWO = Question("99.3", "table", 1, inputs, lambda call: (call.arguments[0].shape,) * 2)
+
+
+def of_table(change):
+    """The pattern if `change` of the right table is returned."""
+    right = [call.arguments for call in CALLS]
+    return pattern(TABLE, CALLS, [(change(r),) for (r,) in right], right)
+
+
+def one(a, index, by=1.0):
+    changed = a.copy()
+    changed[index] += by
+    return changed
+
+
+def scaled(a, where, factor=2.0):
+    return np.where(where, factor * a, a)
+
+
+def square(a):
+    return np.indices(a.shape)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda a: a, ""),
+        (lambda a: a * (1 + 1e-13), ""),
+        (np.zeros_like, "The wrong values are all zero."),
+        (lambda a: -a, "The wrong values are the right ones with the opposite sign."),
+        (lambda a: a / 2, "The wrong values are the right ones times 1/2."),
+        (lambda a: -8 * np.pi * a, "The wrong values are the right ones times −8π."),
+        (lambda a: 1.25 * a, "The wrong values are the right ones times 1.25."),
+        (lambda a: (1 - 2e-7) * a, "The wrong values are the right ones times (1 -2.0e-07)."),
+        (
+            lambda a: len(a) * a,
+            "The wrong values are the right ones times 3 for a small table, and times 5 for a "
+            "large table.",
+        ),
+        (np.abs, "The wrong values differ from the right ones only in sign."),
+        (lambda a: a - 0.5, "The wrong values are all too small by 0.5."),
+        (np.transpose, "The wrong arrays are the transposes of the right ones."),
+        (np.flipud, "The wrong arrays are right in the reverse order."),
+        (
+            np.fliplr,
+            "The wrong arrays are right with their columns in the reverse order.",
+        ),
+        (
+            lambda a: np.roll(a, 1, 0),
+            "The wrong arrays have the right rows in another order.",
+        ),
+        (
+            lambda a: np.roll(a, 1, 1),
+            "The wrong arrays have the right columns in another order.",
+        ),
+        (np.rot90, "The wrong values are the right ones at other positions."),
+        (lambda a: one(a, (0, slice(None))), "Only row [0] is wrong."),
+        (lambda a: one(a, (slice(None), -1)), "Only the last column is wrong."),
+        (lambda a: scaled(a, square(a)[1] != 1), "Only column [1] is right."),
+        (lambda a: a + np.eye(len(a)), "Only values on the diagonal are wrong."),
+        (np.triu, "Only values below the diagonal are wrong."),
+        (lambda a: np.diag(np.diag(a)), "Only the values on the diagonal are right."),
+        (
+            lambda a: 2 * a if len(a) == 5 else a,
+            "Your values are wrong only for a large table. The wrong values are the right ones "
+            "times 2.",
+        ),
+        (lambda a: a**2, ""),
+    ],
+)
+def test_a_pattern_is_reported(change, sentence):
+    assert of_table(change) == sentence
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda a, b: (b, a), "The returned arrays are the right ones in another order."),
+        (lambda a, b: (a, b + a), "Only array 1 of the returned 2 is right."),
+        (lambda a, b: (a * b, b + a), ""),
+    ],
+)
+def test_a_pattern_of_two_arrays_is_reported(change, sentence):
+    right = [(a, a @ a) for (a,) in (call.arguments for call in CALLS)]
+    assert pattern(TWO, CALLS, [change(*r) for r in right], right) == sentence
+
+
+def test_a_pattern_of_one_case_alone_is_not_reported():
+    """Row 0 is wrong in one case, row 1 in the other."""
+    assert of_table(lambda a: one(a, (len(a) - 3, slice(None)))) == ""
+
+
+def test_a_single_number_has_no_factor():
+    """Every number is a multiple of every other."""
+    number = Question("99.4", "number", 1, inputs, lambda _: ((),))
+    right = [(np.array(2.5),)]
+    assert pattern(number, CALLS[:1], [(np.array(3.75),)], right) == ""
+    assert "times 1.5" in pattern(number, CALLS, [(np.array(3.75),)] * 2, right * 2)
+
+
+def test_a_whole_number_for_another_is_no_multiple():
+    """Five is not explained by "six times 0.8333"; twice the number is."""
+    rank = Question("99.5", "rank", 1, inputs, lambda _: ((),))
+    right = [(np.array(6.0),), (np.array(6.0),)]
+    assert "times" not in pattern(rank, CALLS, [(np.array(5.0),)] * 2, right)
+    assert "times 2" in pattern(rank, CALLS, [(np.array(12.0),)] * 2, right)
+
+
+def test_cases_may_have_the_same_name():
+    alike = [Call("table", call.arguments, "a table") for call in CALLS]
+    right = [call.arguments for call in CALLS]
+    values = [right[0], (-right[1][0],)]
+    assert "opposite sign" in pattern(TABLE, alike, values, right)

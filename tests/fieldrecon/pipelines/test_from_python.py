@@ -1,0 +1,359 @@
+"""The commands as functions: data in memory, results as tables, pictures, files and pages."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pytest
+import xarray as xr
+
+import fieldrecon as fr
+from fieldrecon.cli.main import main
+from fieldrecon.pipelines import audit, reconstruct, surface
+from fieldrecon.solids.shapes import Ball, sample_surface
+
+POINTS = fr.datasets.uniform(60, 2, seed=0)
+PLANE = POINTS @ [1.0, 2.0]
+FRAME = pd.DataFrame({"east [m]": POINTS[:, 0], "north [m]": POINTS[:, 1], "depth [m]": PLANE})
+NAMED = FRAME.set_axis(["x", "y", "depth"], axis=1)
+SET = xr.Dataset({"depth": ("point", PLANE)}, {name: ("point", NAMED[name]) for name in "xy"})
+
+
+def plane(data=None, *names, **options):
+    """The least squares plane of the samples on a small grid."""
+    return reconstruct(data, *names, **{"method": "ls1", "grid": (3, 2)} | options)
+
+
+# --- samples in memory ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("data", "options"),
+    [
+        (FRAME, {}),
+        (NAMED.sample(frac=1, random_state=0), {"value": "depth"}),
+        (pd.concat([FRAME, FRAME.iloc[:0]]).assign(station="a"), {"value": "depth [m]"}),
+        (dict(NAMED), {"value": "depth"}),
+        (NAMED.to_records(index=False), {"value": "depth"}),
+        (pa.Table.from_pandas(NAMED), {"value": "depth"}),
+        (SET, {}),
+        (SET.to_dataframe().reset_index(drop=True), {}),
+        (POINTS, {"value": PLANE}),
+        (POINTS.tolist(), {"value": NAMED["depth"]}),
+        (None, {"x": POINTS[:, 0], "y": NAMED["y"], "value": list(PLANE)}),
+        (np.ma.array(POINTS, mask=False), {"value": PLANE}),
+    ],
+)
+def test_samples_may_be_any_table_in_memory(data, options):
+    """A data frame, a data set, named arrays or an array of points give the same field."""
+    survey = plane(data, **options)
+    assert len(survey.samples.points) == 60
+    values, error, extrapolated = survey.predict([[0.25, 0.5], [9.0, 9.0]])
+    np.testing.assert_allclose(values, [1.25, 27.0])
+    assert (error < 1e-9).all()
+    assert extrapolated.tolist() == [0, 2]
+
+
+def test_the_variables_of_a_grid_are_samples_at_its_nodes():
+    """Missing values are left out; the axes are in any order, and a third one is refused."""
+    x, y = np.linspace(0, 1, 7), np.linspace(2, 0, 5)
+    heights = xr.DataArray(
+        x[:, None] + 2 * y, coords={"x": x, "y": y}, name="height", attrs={"units": "km"}
+    )
+    survey = plane(heights.where(heights < 4))
+    assert len(survey.samples.points) == np.count_nonzero(heights < 4)
+    assert f"{np.count_nonzero(heights >= 4)} rows skipped, by row: " in survey.warnings[0]
+    np.testing.assert_allclose(survey.predict([[0.5, 0.5]]).values, 1.5)
+    assert survey.result.labels == ["x", "y", "height [km]"]
+    with pytest.raises(ValueError, match=r"dimension 'time' beside .* data\.isel\(time=0\)"):
+        plane(heights.expand_dims(time=2))
+
+
+def test_rows_that_are_not_samples_are_left_out_and_reported():
+    """By their position from 0: missing, masked, infinite, and words."""
+    table = {
+        "x": np.ma.array([0.0, 1, 0, 1, 5, 6, 7], mask=[0, 0, 0, 0, 1, 0, 0]),
+        "y": [0.0, 0, 1, 1, 5, np.inf, 5],
+        "value": np.array([0.0, 1, 1, 2, 5, 5, "n/a"], dtype=object),
+    }
+    survey = plane(table)
+    assert [(row.line, row.reason[:5]) for row in survey.samples.bad] == [
+        (4, "x mus"),
+        (5, "y mus"),
+        (6, "value"),
+    ]
+    assert "3 rows skipped, by row: 4: x must be a finite number" in survey.warnings[0]
+    assert survey.samples.bad[2].reason.endswith("got 'n/a'")
+    with pytest.raises(ValueError, match="the mapping, row 4: x must be a finite number"):
+        plane(table, strict=True)
+
+
+def test_degrees_are_known_by_their_units():
+    """Samples with CF units of degrees are on the globe; the option decides otherwise."""
+    degrees = SET.assign_coords(
+        x=SET.x.assign_attrs(units="degrees_east"), y=SET.y.assign_attrs(units="degrees_north")
+    )
+    assert plane(degrees).samples.lonlat
+    assert not plane(degrees, lonlat=False).samples.lonlat
+    assert not plane(SET).samples.lonlat
+    assert plane(SET, lonlat=True).samples.lonlat
+
+
+@pytest.mark.parametrize("method", ["smooth", "pu2"])
+@pytest.mark.parametrize("lonlat", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_uncertain_samples_count_less(method, lonlat):
+    """With their standard deviations the error is less than half of that without them."""
+    points = fr.datasets.uniform(300, 2, seed=2)
+    sigma = np.where(np.arange(300) % 2, 1.0, 0.01)
+    noise = sigma * np.random.default_rng(0).standard_normal(300)
+    table = NAMED.reindex(range(300)).assign(
+        x=points[:, 0], y=points[:, 1], depth=fr.datasets.franke(points) + noise, std=sigma
+    )
+    inside = 0.1 + 0.8 * fr.datasets.uniform(200, 2, seed=3)
+    errors = {}
+    for name in ("std", None):
+        survey = plane(table, value="depth", sigma=name, method=method, lonlat=lonlat)
+        errors[name] = abs(survey.predict(inside).values - fr.datasets.franke(inside)).mean()
+    assert errors["std"] < 0.5 * errors[None]
+    again = plane(points, value=table["depth"], sigma=sigma, method=method, lonlat=lonlat)
+    assert np.isfinite(again.result.error).all()
+    assert "The smoothing is proportional to the variances of the samples." in again.warnings
+    equal = plane(table, value="depth", sigma="std", method="ls1")
+    assert any(w.startswith("The method takes all samples as equally") for w in equal.warnings)
+
+
+def test_the_mean_of_repeated_samples_is_more_certain():
+    """The standard deviation of a mean of m equally certain values is smaller by sqrt(m)."""
+    table = {"x": [0.0, 1, 1, 0, 1], "y": [0.0, 0, 0, 1, 1], "value": [1.0, 2, 4, 3, 4]}
+    survey = plane(table | {"s": [0.1, 0.3, 0.4, 0.5, 0.0]}, sigma="s", value="value")
+    np.testing.assert_allclose(survey.samples.sigma, [0.1, 0.25, 0.5, 0.0])
+    assert survey.samples.names == ("x", "y", "value")
+    with pytest.raises(ValueError, match="s must not be negative: it is a standard deviation"):
+        plane(table | {"s": [0.1, 0.3, 0.4, -0.5, 0.0]}, sigma="s", value="value")
+
+
+@pytest.mark.parametrize(
+    ("width", "method", "in_plane"), [(10.0, "ls2", True), (100.0, "tps", False)]
+)
+def test_a_region_of_the_globe_is_projected_to_a_plane(tmp_path, width, method, in_plane):
+    """There quadratic polynomials are determined; a larger part of the globe stays in space."""
+    lonlat = [100.0, 20.0] + width * (POINTS - 0.5)
+    values = np.sin(np.radians(lonlat)).sum(axis=1)
+    survey = plane(lonlat, value=values, lonlat=True, method=method)
+    assert isinstance(survey.field.method.method, fr.methods.OnTangentPlane) == in_plane
+    assert abs(survey.predict(lonlat).values - values).max() < 0.05
+    fr.save(tmp_path / "f.npz", survey.field)
+    again = plane(load=tmp_path / "f.npz").result
+    assert np.array_equal(again.values, survey.result.values)
+    np.testing.assert_allclose(again.error, survey.result.error)
+
+
+@pytest.mark.parametrize(
+    ("data", "options", "error", "words"),
+    [
+        (None, {}, ValueError, "give samples: data, or arrays x, y and value, or load with a"),
+        (3, {}, TypeError, "data must be a path, a data frame, .* got int"),
+        (POINTS, {}, ValueError, r"with data as an array of points \(n, d\), give the array value"),
+        (PLANE, {"value": PLANE}, ValueError, r"must have the shape \(n, 2\) or \(n, 3\); got"),
+        (POINTS, {"value": PLANE[1:]}, ValueError, "equally long; got x 60, y 60, value 59"),
+        (FRAME, {"value": PLANE}, ValueError, "value must be the name of a column of data; got an"),
+        (FRAME, {"x": "lon"}, ValueError, "the data frame has no column 'lon'; it has east"),
+        (
+            NAMED.set_axis([*"xyz"], axis=1).assign(a=1, b=1),
+            {"z": "z"},
+            ValueError,
+            "which column of the data frame is value; name it by",
+        ),
+        (FRAME.iloc[:0], {}, ValueError, "the data frame has no rows"),
+        (FRAME, {"method": "kriging"}, ValueError, "there is no method 'kriging'; there are best"),
+        (FRAME, {"grid": 5}, ValueError, "grid must be 2 numbers of nodes; got 5"),
+        (FRAME, {"grid": (5, 1)}, ValueError, "each number of grid must be .* 2 or more; got 1"),
+        (FRAME, {"at": FRAME}, ValueError, "give one of grid, at and mesh"),
+        (FRAME, {"grid": None, "at": [[1.0]]}, ValueError, "at must have 2 coordinates per point"),
+        (FRAME, {"load": "f.npz"}, ValueError, "give either samples or load"),
+        (FRAME, {"crs": "EPSG:1"}, ValueError, "no coordinate reference system 'EPSG:1'"),
+        ("nowhere.csv", {}, FileNotFoundError, "nowhere.csv"),
+    ],
+)
+def test_what_is_no_table_is_refused(data, options, error, words):
+    """The message names what was given and what is wanted."""
+    with pytest.raises(error, match=words):
+        plane(data, **options)
+
+
+# --- what comes out -------------------------------------------------------------------------------
+
+
+def test_queries_have_any_shape():
+    """Arrays have the shape of the queries; a masked or wrong one is refused."""
+    survey = plane(FRAME)
+    x = np.moveaxis(np.mgrid[0:1:3j, 0:1:4j], 0, -1)
+    found = survey.predict(x)
+    np.testing.assert_allclose(found.values, x @ [1.0, 2.0], atol=1e-12)
+    assert found.error.shape == found.extrapolated.shape == (3, 4)
+    assert survey.predict([0.5, 0.5]).values.shape == ()
+    with pytest.raises(ValueError, match="points must have 2 coordinates per point"):
+        survey.predict([[1.0, 2.0, 3.0]])
+
+
+def test_a_data_frame_gives_a_data_frame_with_its_index():
+    """It can be joined to its queries; without a coordinate there is no row."""
+    survey = plane(FRAME)
+    queries = FRAME[["north [m]", "east [m]"]].set_axis(range(96, 156)).iloc[5:20:3]
+    found = survey.predict(queries)
+    assert [*found] == ["depth [m]", "error", "extrapolated"]
+    assert found.index.equals(queries.index)
+    np.testing.assert_allclose(queries.join(found)["depth [m]"], PLANE[5:20:3])
+    with pytest.raises(ValueError, match=r"the data frame, row 0: east.* must be a finite number"):
+        survey.predict(queries.where(queries.index.to_series() != 101))
+
+
+def test_xarray_gives_xarray_on_the_same_grid():
+    """Also with axes that decrease; names and units are those of the samples."""
+    survey = plane(SET.assign(depth=SET.depth.assign_attrs(units="fathoms")))
+    grid = xr.Dataset(coords={"y": [1.0, 0.5, 0.0], "x": [0.0, 1.0]})
+    found = survey.predict(grid)
+    assert found.depth.dims == ("y", "x")
+    np.testing.assert_allclose(found.depth, 2 * grid.y + grid.x + 0 * found.depth, atol=1e-12)
+    assert found.depth.attrs["units"] == "fathoms"
+    xr.testing.assert_equal(found.x, grid.x)
+    at_samples = survey.predict(SET)
+    assert at_samples.depth.dims == ("point",)
+    np.testing.assert_allclose(at_samples.depth, PLANE)
+
+
+def test_targets_may_be_in_memory():
+    """A data frame, a grid of xarray or an array; the result is a table of them."""
+    some = FRAME.iloc[::7]
+    found = plane(FRAME, grid=None, at=some).to_dataframe()
+    assert [*found] == [*FRAME, "error", "extrapolated"]
+    pd.testing.assert_frame_equal(found[[*FRAME]], some)
+    grid = xr.Dataset(coords={"y": [1.0, 0.5], "x": [0.0, 1.0, 2.0]})
+    assert plane(SET, grid=None, at=grid).to_xarray().depth.shape == (2, 3)
+    np.testing.assert_allclose(plane(FRAME, grid=None, at=POINTS[:4]).result.values, PLANE[:4])
+
+
+def test_bad_rows_of_targets_are_left_out():
+    """With their labels; the rest is in its order."""
+    some = FRAME.iloc[10:16].copy()
+    some.iloc[2, 0] = np.nan
+    survey = plane(FRAME, grid=None, at=some)
+    assert [*survey.to_dataframe().index] == [10, 11, 13, 14, 15]
+    assert any("1 row is not a point; the first, row 2: east" in w for w in survey.warnings)
+
+
+@pytest.mark.slow
+def test_the_result_describes_itself(tmp_path):
+    """In a line, in a picture, on a page and in files; the method and the scores are named."""
+    survey = plane(FRAME)
+    assert repr(survey).startswith("<SurveyResult: depth [m] from 60 samples of data frame, at 6 ")
+    assert survey.method == "ls1, least squares, plane"
+    assert "rms error" in repr(survey.scores[0])
+    assert "<SurveyResult" not in (page := survey.report(tmp_path / "a.html").read_text())
+    assert page.count("<img") == 4
+    assert "depth [m], reconstructed" in page
+    for suffix in ("csv", "npz", "nc", "vtk"):
+        assert survey.write(tmp_path / f"a.{suffix}").stat().st_size > 100
+    stored, made = pd.read_csv(tmp_path / "a.csv"), survey.to_dataframe()
+    pd.testing.assert_frame_equal(stored, made, check_dtype=False, check_exact=True)
+    assert survey.plot().axes[-1].get_ylabel() == "depth [m]"
+    assert survey.plot_error().axes[-1].get_ylabel() == "error of depth [m]"
+
+
+@pytest.mark.slow
+def test_the_command_writes_what_the_function_returns(tmp_path):
+    """The same values from the table in a file, for the same options."""
+    table = tmp_path / "a.csv"
+    FRAME.to_csv(table, index=False)
+    out = ["--out", str(tmp_path / "b.csv"), "--grid", "3x2", "--method", "ls1"]
+    assert main(["reconstruct", str(table), *out]) == 0
+    stored, made = pd.read_csv(tmp_path / "b.csv"), plane(FRAME).to_dataframe()
+    pd.testing.assert_frame_equal(stored, made, check_dtype=False, check_exact=True)
+    pd.testing.assert_frame_equal(plane(table).to_dataframe(), plane(str(table)).to_dataframe())
+
+
+def test_a_saved_field_is_evaluated(tmp_path):
+    """As with the option of the command."""
+    survey = plane(FRAME)
+    fr.save(tmp_path / "f.npz", survey.field, survey.samples.names)
+    again = plane(load=tmp_path / "f.npz")
+    pd.testing.assert_frame_equal(again.to_dataframe(), survey.to_dataframe())
+
+
+@pytest.mark.parametrize("missing", [pytest.param("pandas", marks=pytest.mark.slow), "xarray"])
+def test_the_library_works_without_pandas_and_xarray(missing):
+    """Neither is imported by the library, and a missing one is named with its extra."""
+    code = (
+        f"import sys; sys.modules[{missing!r}] = None\n"
+        "import fieldrecon as fr\n"
+        "points = fr.datasets.uniform(9, 2, seed=0)\n"
+        "s = fr.pipelines.reconstruct(points, value=points[:, 0], method='ls1', grid=(3, 2))\n"
+        "assert not {'pandas', 'xarray'} & {k for k, v in sys.modules.items() if v}\n"
+        f"s.{'to_dataframe' if missing == 'pandas' else 'to_xarray'}()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert f"{missing} is not installed; it comes with the extra 'frames'" in done.stderr
+
+
+# --- surfaces and audits --------------------------------------------------------------------------
+
+
+def test_points_in_memory_become_a_closed_mesh_and_a_damaged_mesh_is_repaired(tmp_path):
+    """The mesh of a ball is closed; after removal of one triangle the audit repairs it."""
+    points, normals = sample_surface(Ball(1.0), 300, seed=1)
+    table = pd.DataFrame(np.hstack([points, normals]), columns=[*"xyz", "nx", "ny", "nz"])
+    np.savetxt(tmp_path / "ball.xyz", points)
+    scan = surface(tmp_path / "ball.xyz")
+    assert scan.sound(open_allowed=False)
+    assert not scan.own_normals
+    np.testing.assert_array_equal(surface(points).points, scan.points)
+    with_normals = surface(table)
+    assert with_normals.own_normals
+    np.testing.assert_array_equal(surface(points, normals=normals).points, with_normals.points)
+    np.testing.assert_array_equal(surface(table, normals="estimate").points, scan.points)
+    assert scan.write(tmp_path / "ball.stl") == tmp_path / "ball.stl"
+    damaged = tmp_path / "open.stl"
+    fr.io.write_triangles(damaged, scan.points, scan.mesh.triangles[1:])
+    found = audit(damaged)
+    assert found.repair is None
+    assert not found.sound()
+    assert found.sound(open_allowed=True)
+    assert found.findings == {"boundary_loops": 1}
+    mended = audit((scan.points, scan.mesh.triangles[1:]), repair=True)
+    assert mended.findings == found.findings
+    assert mended.sound()
+    assert audit(scan).findings == {}
+    assert audit(mended.write(tmp_path / "b.stl")).findings == {}
+    assert "1 boundary_loops" in repr(found)
+    assert "sound" in repr(scan)
+
+
+def test_what_is_no_scan_or_mesh_is_refused():
+    """The message names what was given and what is wanted."""
+    with pytest.raises(ValueError, match="has no column 'z'; points in space have x, y and z"):
+        surface(POINTS)
+    with pytest.raises(ValueError, match="holds 5 points; a surface takes 10 at least"):
+        surface(np.eye(5)[:, :3])
+    with pytest.raises(ValueError, match="normals must be 'file', 'estimate' or an array"):
+        surface(np.eye(12)[:, :3], normals="own")
+    with pytest.raises(ValueError, match="smoothing is for points"):
+        surface(np.eye(12)[:, :3], smoothing=1, polygons=1)
+    with pytest.raises(TypeError, match="data must be a path, a pair of points and triangles"):
+        audit(3)
+
+
+@pytest.mark.slow
+def test_scans_and_audits_make_pages(tmp_path):
+    """With a picture, what was found, and its parameters."""
+    points = sample_surface(Ball(1.0), 300, seed=1)[0]
+    scan = surface(points)
+    page = scan.report(tmp_path / "a.html", {"edge": 0.1}).read_text()
+    assert page.count("<img") == 1
+    assert "300 of 300 points of points in memory" in page
+    found = audit((scan.points, scan.mesh.triangles[1:]), repair=True)
+    page = found.report(tmp_path / "b.html").read_text()
+    assert page.count("<img") == 1
+    assert "Left: nothing." in page
+    assert len(found.plot().axes) == 2

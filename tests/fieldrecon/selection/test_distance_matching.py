@@ -1,0 +1,158 @@
+"""Held-out samples are as far from the fitted ones as the queries are from all samples."""
+
+import numpy as np
+import pytest
+from scipy import stats
+from scipy.spatial.distance import cdist
+
+from fieldrecon.datasets.synthetic import clustered, uniform
+from fieldrecon.selection import distance_matching as module
+from fieldrecon.selection.distance_matching import (
+    distance_matched_folds,
+    held_out_distances,
+    nearest_neighbor_distances,
+    wasserstein_distance,
+)
+
+
+def tracks(ratio, lines=20):
+    """Parallel tracks across the unit square, their distance `ratio` times that along them."""
+    spacing = 1 / lines
+    x, y = np.meshgrid(np.arange(0, 1, spacing / ratio), (np.arange(lines) + 0.5) * spacing)
+    points = np.column_stack([x.ravel(), y.ravel()])
+    return points + 0.02 * spacing * np.random.default_rng(0).standard_normal(points.shape)
+
+
+def whole_lines(points, lines=20):
+    """Samples without three lines, and those of these lines."""
+    out = np.isin(np.floor(points[:, 1] * lines), [3, 8, 14])
+    return points[~out], points[out]
+
+
+def differences(points, x):
+    """Mean differences of the quantiles from those of the queries: leave-one-out and the folds."""
+    wanted = nearest_neighbor_distances(points, x)
+    folds = distance_matched_folds(points, x)
+    return (
+        wasserstein_distance(wanted, nearest_neighbor_distances(points)) / wanted.mean(),
+        wasserstein_distance(wanted, held_out_distances(points, folds)) / wanted.mean(),
+    )
+
+
+def test_distances_are_those_of_all_pairs():
+    """The nearest sample is the nearest of all; of a sample, the nearest other one."""
+    points, x = uniform(60, 2, seed=0), uniform(40, 2, seed=1)
+    own = cdist(points, points) + np.where(np.eye(60) > 0, np.inf, 0.0)
+    np.testing.assert_allclose(nearest_neighbor_distances(points, x), cdist(x, points).min(axis=1))
+    np.testing.assert_allclose(nearest_neighbor_distances(points), own.min(axis=1))
+    folds = distance_matched_folds(points, x)
+    literal = [cdist(points[f.held_out], points[f.fitted]).min(axis=1) for f in folds]
+    np.testing.assert_allclose(held_out_distances(points, folds), np.concatenate(literal))
+
+
+def test_the_distance_of_distributions_is_the_wasserstein_distance():
+    """SciPy's value for the same numbers, to the error of 201 quantiles."""
+    a, b = np.random.default_rng(0).gamma(2.0, size=(2, 500)) * [[1.0], [1.7]]
+    exact = stats.wasserstein_distance(a, b)
+    assert wasserstein_distance(a, b) == pytest.approx(exact, rel=0.02)
+
+
+@pytest.mark.parametrize("ratio", [5, 50])
+def test_whole_lines_are_matched_and_leave_one_out_is_not(ratio):
+    """Queries on lines without samples are 50 or 5 times as far as the next sample of a line."""
+    own, folds = differences(*whole_lines(tracks(ratio)))
+    assert folds < 0.1 < 0.75 < own
+
+
+def test_a_grid_between_tracks_is_matched_and_by_leave_one_out_it_is_not():
+    """Nodes of a grid lie between the lines."""
+    nodes = np.stack(np.meshgrid(*2 * (np.linspace(0.03, 0.97, 60),)), axis=-1).reshape(-1, 2)
+    own, folds = differences(tracks(50), nodes)
+    assert folds < 0.1 < 0.75 < own
+
+
+@pytest.mark.parametrize(
+    "cloud", [lambda n, seed: uniform(n, 2, seed), lambda n, seed: clustered(n, 2, 9, 0.1, seed)]
+)
+def test_samples_drawn_like_the_queries_are_held_out_nearly_alone(cloud):
+    """A random part of a cloud has the distances of leave-one-out: few others are excluded."""
+    every = cloud(4000, 0)
+    own, folds = differences(every[:3000], every[3000:])
+    assert max(own, folds) < 0.15
+    found = distance_matched_folds(every[:3000], every[3000:])
+    excluded = sum(3000 - len(fold.fitted) for fold in found)
+    assert excluded < 2.5 * sum(len(fold.held_out) for fold in found)
+
+
+def test_no_held_out_sample_is_nearer_to_another_than_to_the_fitted_ones():
+    """Neighbourhoods of one fold are disjoint, and the fitted samples are the others."""
+    points, x = whole_lines(tracks(50))
+    for fold in distance_matched_folds(points, x):
+        assert not np.isin(fold.held_out, fold.fitted).any()
+        assert len(points) - len(fold.fitted) <= module.EXCLUDED * len(points)
+        apart = nearest_neighbor_distances(points[fold.held_out])
+        assert (apart > 1.9 * held_out_distances(points, [fold])).all()
+
+
+def test_without_queries_each_sample_is_held_out_once():
+    """Ten folds of nothing but held-out samples."""
+    points = uniform(200, 2, seed=0)
+    folds = distance_matched_folds(points, None, 10)
+    assert sorted(np.concatenate([fold.held_out for fold in folds])) == list(range(200))
+    assert {len(fold.fitted) + len(fold.held_out) for fold in folds} == {200}
+
+
+def test_queries_too_far_for_any_fold_leave_the_range_of_validation():
+    """A query a thousand extents away changes nothing but is beyond all held-out samples."""
+    points = uniform(300, 2, seed=0)
+    folds = distance_matched_folds(points, np.array([[1000.0, 0.0]]))
+    assert 0 < held_out_distances(points, folds).max() < 1
+
+
+def test_folds_are_reproducible_and_do_not_depend_on_unit_and_origin():
+    """The draws have a fixed seed; another seed draws others."""
+    points, x = whole_lines(tracks(5))
+    first, second = distance_matched_folds(points, x), distance_matched_folds(points, x)
+    moved = distance_matched_folds(1024 * points + 64, 1024 * x + 64)
+    other = distance_matched_folds(points, x, seed=1)
+    for a, b, c in zip(first, second, moved, strict=True):
+        assert np.array_equal(a.held_out, b.held_out)
+        assert np.isin(a.held_out, c.held_out).mean() > 0.9
+    assert not np.array_equal(first[0].held_out, other[0].held_out)
+
+
+def test_larger_neighbourhoods_are_not_crowded_out(monkeypatch):
+    """If folds took whatever has room, small neighbourhoods would prevail."""
+    x, y = np.meshgrid(np.arange(100.0), np.arange(0.0, 200.0, 20.0))
+    points = np.column_stack([x.ravel(), y.ravel()])
+    queries = uniform(500, 2, seed=0) * [99, 180]
+    assert differences(points, queries)[1] < 0.2
+    monkeypatch.setattr(module, "_BIASED", 1.0)
+    assert differences(points, queries)[1] > 0.2
+
+
+def test_a_few_large_neighbourhoods_do_not_displace_the_others(monkeypatch):
+    """Only one of them has room in a fold: fewer are held out, instead of few samples in all."""
+    points = np.column_stack([np.linspace(0, 1, 2000), np.zeros(2000)])
+    u = uniform(1000, 2, seed=0)
+    x = np.column_stack([u[:, 0], np.where(u[:, 1] < 0.2, 0.085, 0.001)])
+
+    def held_out():
+        return held_out_distances(points, distance_matched_folds(points, x))
+
+    assert len(held_out()) >= 35
+    assert held_out().max() > 0.08
+    monkeypatch.setattr(module, "_FEW_DRAWS", 0)
+    assert len(held_out()) < 30
+
+
+def test_more_folds_hold_out_more_of_few_samples():
+    """Each fold has room for few large neighbourhoods: four times the folds hold out twice more."""
+    points = uniform(150, 2, seed=0)
+    hole = np.linalg.norm(points - 0.5, axis=1) > 0.2
+    x = 0.5 + 0.2 * (uniform(50, 2, seed=1) - 0.5)
+    counts = [
+        sum(len(fold.held_out) for fold in distance_matched_folds(points[hole], x, n_folds))
+        for n_folds in (5, 20)
+    ]
+    assert counts[1] > 2 * counts[0] > 0

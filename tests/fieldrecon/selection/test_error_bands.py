@@ -1,0 +1,207 @@
+"""Bands by distance and roughness cover 95 of 100 values at the distances of the queries."""
+
+import numpy as np
+import pytest
+
+import fieldrecon as fr
+from fieldrecon.selection import error_bands as module
+from fieldrecon.selection.distance_matching import Fold, held_out_distances
+from fieldrecon.selection.error_bands import ErrorBand, conformal_quantile
+
+
+def single_folds(n, count=10):
+    """Folds that hold out each of n samples once."""
+    return [
+        Fold(np.arange(k, n, count), np.delete(np.arange(n), slice(k, n, count)))
+        for k in range(count)
+    ]
+
+
+def held_out_residuals(function, points, folds):
+    """The function of the points and distances at the held-out samples, fold by fold."""
+    order = np.concatenate([fold.held_out for fold in folds])
+    return function(points[order], held_out_distances(points, folds))
+
+
+@pytest.mark.parametrize("scale", [1.0, 1000.0])
+def test_errors_that_grow_with_the_distance_have_a_band_that_grows(scale):
+    """Residuals of standard deviation r at the distance r: the half-width is 1.96 r to 25 %."""
+    rng = np.random.default_rng(0)
+    points = scale * fr.datasets.clustered(2000, 2, 20, 0.2, seed=0)
+    folds = single_folds(2000)
+    residuals = held_out_residuals(lambda _, r: r * rng.standard_normal(len(r)), points, folds)
+    band = ErrorBand(points, folds, residuals)
+    x = scale * fr.datasets.uniform(3000, 2, seed=1)
+    distance = fr.selection.nearest_neighbor_distances(points, x)
+    typical = (distance > np.quantile(band.distances, 0.1)) & (distance < band.validated / 4)
+    ratio = band(x)[typical] / distance[typical]
+    assert 1.96 / 1.25 < np.median(ratio) < 1.96 * 1.25
+    assert 0.93 < np.mean(abs(rng.standard_normal(len(x)) * distance) < band(x)) < 0.99
+    assert (np.diff(band(x)[np.argsort(distance)]) >= -1e-12 * scale).all()
+
+
+def test_a_band_that_ignores_the_distance_is_wide_near_the_samples():
+    """The same residuals in one bin: the mean width is larger at the same coverage."""
+    rng = np.random.default_rng(0)
+    points = fr.datasets.clustered(2000, 2, 20, 0.2, seed=0)
+    folds = single_folds(2000)
+    residuals = held_out_residuals(lambda _, r: r * rng.standard_normal(len(r)), points, folds)
+    band = ErrorBand(points, folds, residuals)
+    constant = conformal_quantile(abs(residuals))
+    assert band(points[band.distances.argsort()]).mean() < constant
+    assert band.covered == pytest.approx(0.955, abs=0.006)
+
+
+def test_errors_that_grow_with_the_roughness_have_a_band_that_follows():
+    """Half of the field is ten times as rough: the band there is over 2.5 times as wide."""
+    rng = np.random.default_rng(0)
+    points = fr.datasets.uniform(2000, 2, seed=0)
+    rough = np.where(points[:, 0] > 0.5, 1.0, 0.1)
+    own = rough * rng.standard_normal(2000)
+    folds = single_folds(2000)
+    order = np.concatenate([fold.held_out for fold in folds])
+    residuals = rough[order] * rng.standard_normal(2000)
+    band, blind = ErrorBand(points, folds, residuals, own), ErrorBand(points, folds, residuals)
+    left, right = np.array([[0.2, 0.5]]), np.array([[0.8, 0.5]])
+    assert band.exponent > 0
+    assert band(right) > 2.5 * band(left)
+    assert blind(right) == pytest.approx(blind(left), rel=0.2)
+    x = fr.datasets.uniform(2000, 2, seed=5)
+    assert band(x).mean() < 0.8 * blind(x).mean()
+
+
+def test_beyond_the_validated_distance_the_band_grows_in_proportion():
+    """At twice the largest distance of a held-out sample it is twice as wide, and continuous."""
+    points = fr.datasets.uniform(400, 2, seed=0)
+    residuals = np.random.default_rng(0).standard_normal(400)
+    band = ErrorBand(points, single_folds(400), residuals)
+    corner = points[np.argmax(points.sum(axis=1))]
+    x = corner + np.outer([1, 1 + 1e-9, 2], band.validated * np.array([1.0, 1.0]) / np.sqrt(2))
+    width = band(x)
+    assert width[1] == pytest.approx(width[0], rel=1e-6)
+    assert width[2] == pytest.approx(2 * width[0], rel=1e-6)
+
+
+def test_the_band_is_invariant_under_changes_of_unit_and_origin():
+    """The width scales with the unit of the values."""
+    points = fr.datasets.uniform(300, 2, seed=0)
+    residuals, own = np.random.default_rng(0).standard_normal((2, 300))
+    x = fr.datasets.uniform(50, 2, seed=1)
+    folds = single_folds(300)
+    band = ErrorBand(points, folds, residuals, own)(x)
+    moved = ErrorBand(1e3 * points + 64, folds, -1e-3 * residuals, 1e-3 * own)(1e3 * x + 64)
+    np.testing.assert_allclose(moved, 1e-3 * band, rtol=1e-6)
+
+
+def test_the_band_is_continuous():
+    """A step of 5e-5 along a line changes the width by at most 0.2 % of its maximum."""
+    points, folds = fr.datasets.uniform(300, 2, seed=0), single_folds(300)
+    residuals = np.random.default_rng(0).standard_normal(300) * (0.1 + points[:, 0])
+    held_out = np.concatenate([fold.held_out for fold in folds])
+    band = ErrorBand(points, folds, residuals[held_out], residuals)
+    along = np.column_stack([np.linspace(0, 1, 20_001), np.full(20_001, 0.5)])
+    steps = []
+    values = band(along, lambda *step: steps.append(step))
+    assert steps[-1] == (20_001, 20_001)
+    assert band.exponent > 0
+    assert abs(np.diff(values)).max() < 2e-3 * values.max()
+    assert np.ptp(values) > 0.1 * values.max()
+
+
+def test_residuals_must_belong_to_the_samples():
+    """One for each held-out sample, and one for each sample."""
+    points, folds = fr.datasets.uniform(30, 2, seed=0), single_folds(30)
+    with pytest.raises(ValueError, match="residuals must have one entry for each point"):
+        ErrorBand(points, folds, np.ones(29))
+    with pytest.raises(ValueError, match="own_residuals must have one entry for each point"):
+        ErrorBand(points, folds, np.ones(30), np.ones(31))
+
+
+def test_zero_residuals_give_a_band_of_width_zero():
+    """Residuals are zero if the method reproduces the data."""
+    points = fr.datasets.uniform(50, 2, seed=0)
+    band = ErrorBand(points, single_folds(50), np.zeros(50), np.zeros(50))
+    assert band(points).tolist() == [0.0] * 50
+    assert band.covered == 1
+
+
+@pytest.mark.parametrize("n", [*range(20, 40), 100, 199])
+def test_the_quantile_is_the_conformal_one(n):
+    """The least rank k with k / (n + 1) ≥ 0.95; with caution, a higher one."""
+    ratios = np.random.default_rng(n).permutation(np.arange(1.0, n + 1))
+    rank = conformal_quantile(ratios)
+    assert (rank - 1) / (n + 1) < 0.95 <= rank / (n + 1)
+    assert rank <= conformal_quantile(ratios, 1.0) <= n
+
+
+def test_the_isotonic_sequence_is_the_nearest_one():
+    """Known cases, and no violation in random ones; the weighted sum is preserved."""
+    pooled = module._not_decreasing
+    assert pooled(np.array([3.0, 1.0]), np.array([1.0, 3.0])).tolist() == [1.5, 1.5]
+    assert pooled(np.array([1.0, 2.0, 4.0]), np.ones(3)).tolist() == [1.0, 2.0, 4.0]
+    values, weights = np.random.default_rng(0).uniform(1, 2, (2, 30))
+    found = pooled(values, weights)
+    assert (np.diff(found) >= 0).all()
+    assert found @ weights == pytest.approx(values @ weights)
+
+
+LINES = {1: 24, 5: 14, 50: 8}
+"""Number of tracks, for their distance in units of that along them."""
+
+
+def tracks(ratio, seed):
+    """Parallel tracks across the unit square."""
+    rng = np.random.default_rng(seed)
+    spacing = 1 / LINES[ratio]
+    x, y = np.meshgrid(np.arange(0, 1, spacing / ratio), (np.arange(LINES[ratio]) + 0.5) * spacing)
+    points = np.column_stack([x.ravel(), y.ravel()])
+    return points + 0.02 * spacing * rng.standard_normal(points.shape)
+
+
+def field(kind, points, seed):
+    """Waves of many lengths, with noise, on a trend, or with a step."""
+    rng = np.random.default_rng(seed)
+    total = np.zeros(len(points))
+    for k in range(1, 14):
+        t, s = rng.uniform(0, 2 * np.pi, 2)
+        total += np.sin(2 * np.pi * k * (points @ [np.cos(t), np.sin(t)]) + s) / k
+    noise = rng.standard_normal(len(points))
+    return {
+        "waves": total,
+        "noise": total + 0.3 * noise,
+        "trend": total + points @ [20.0, -30.0],
+        "step": total + 2.0 * (points @ [1.0, 0.5] > 0.6),
+    }[kind]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["waves", "noise", "trend", "step"])
+@pytest.mark.parametrize("ratio", [1, 5, 50])
+@pytest.mark.parametrize("by", ["lines", "random"])
+def test_on_tracks_the_band_covers_whole_lines_and_random_samples(by, ratio, kind):
+    """Over 3 splits: 85 to 100 % of whole lines, 90 to 99.5 % at random.
+
+    The mean width is at most twice that of the narrowest constant band of the same coverage.
+    """
+    covered, widths = [], []
+    for seed in range(3):
+        every = tracks(ratio, seed)
+        values = field(kind, every, seed)
+        rng = np.random.default_rng(seed + 10)
+        out = rng.random(len(every)) < 0.2
+        if by == "lines":
+            lines = LINES[ratio]
+            drawn = rng.permutation(np.arange(1, lines - 1))[: lines // 4]
+            out = np.isin(np.floor(lines * every[:, 1]), drawn)
+        points, x = every[~out], every[out]
+        validator = fr.selection.CrossValidator.of(points, values[~out], x)
+        score = validator.evaluate(fr.selection.MODELS["pu1"])
+        method = score.maker(points)
+        own = fr.leave_one_out(method, values[~out])
+        band = ErrorBand(points, validator.folds, score.residuals, own)
+        error = abs(method.field(values[~out])(x) - values[out])
+        covered.append(np.mean(error <= band(x)))
+        widths.append(band(x).mean() / np.quantile(error, covered[-1]))
+    low, high = (0.85, 1.0) if by == "lines" else (0.90, 0.995)
+    assert low <= np.mean(covered) <= high
+    assert np.mean(widths) <= 2
