@@ -133,6 +133,7 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
         (random.random((9, 3)) * [1, 1, 1e-12], "nine points within 10⁻¹² of a plane"),
         (1e-9 * random.random((7, 2)), "seven points in a square of 10⁻⁹"),
         (1e-9 * random.random((8, 3)), "eight points in a cube of 10⁻⁹"),
+        ([2e6, -3e5, 1e6] + random.random((9, 3)) * [1, 1, 1e-5], "a layer, 10⁶ away"),
     )
     exact = (
         (line[0] + along * line[1], "nine points on one line"),
