@@ -9,16 +9,13 @@ most, since the squared distance from the centre is constant on the sphere.
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Executor
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import sparse
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.chunks import Progress
-from fieldrecon.reconstruction import Field, Reconstruction, Weights
+from fieldrecon.methods.other_coordinates import OtherCoordinates
+from fieldrecon.reconstruction import Reconstruction
 
 
 def to_unit(lonlat: ArrayLike) -> np.ndarray:
@@ -66,7 +63,7 @@ def principal(lonlat: ArrayLike) -> np.ndarray:
     return np.stack([np.where(abs(lat) == 90, 0.0, lon), lat], axis=-1)
 
 
-class OnGlobe(Reconstruction):
+class OnGlobe(OtherCoordinates):
     """A method on the unit vectors of sites on the globe, evaluated at longitudes and latitudes.
 
     s(l, b) = t(u(l, b)) with u as in `to_unit`. The components of the gradient are the
@@ -107,55 +104,24 @@ class OnGlobe(Reconstruction):
         self.degree = min(self.method.degree, 0)
         self.interpolates = self.method.interpolates
 
-    def field(self, values: ArrayLike, **how: Any) -> Field:
-        """Field of these data.
+    def _transformed(self, x: np.ndarray) -> np.ndarray:
+        return to_unit(x)
 
-        Parameters
-        ----------
-        values : (n, ...) array_like
-            One real or complex scalar, vector or array for each site.
-        **how
-            Further arguments of the method's own `field`, such as `executor` and `progress`.
+    def _slopes(self, x: np.ndarray) -> np.ndarray:
+        """Derivatives of the unit vectors by a degree of longitude and of latitude."""
+        (cos_lon, sin_lon), (cos_lat, sin_lat) = (_cos_sin(angle) for angle in x.T)
+        east = [-cos_lat * sin_lon, cos_lat * cos_lon, np.zeros(len(x))]
+        north = [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat]
+        return np.radians(np.stack([np.stack(east, 1), np.stack(north, 1)], axis=2))
 
-        Returns
-        -------
-        Field
-            Callable at longitudes and latitudes, with a gradient.
-        """
-        values = valid.as_values(values, len(self.points))
-        return Field(self, values, lambda columns: self.method.field(columns, **how)._prepared)
-
-    def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:
-        return self.method._leave_one_out(values, progress)
-
-    @property
-    def _has_sparse_weights(self) -> bool:
-        return self.method._has_sparse_weights
-
-    def _weight_rows(self, x: np.ndarray) -> Weights:
-        return self.method._weight_rows(to_unit(x))
-
-    def _gradient_weight_rows(self, x: np.ndarray) -> tuple[Weights, ...]:
-        along = self.method._gradient_weight_rows(to_unit(x))
-        tangents = _tangents(x)
-        return tuple(_combined(along, tangent) for tangent in np.moveaxis(tangents, 2, 0))
-
-    def _prepare(self, values: np.ndarray) -> object:
-        return self.method._prepare(values)
-
-    def _value_rows(self, x: np.ndarray, prepared: object) -> np.ndarray:
-        return self.method._value_rows(to_unit(x), prepared)
-
-    def _gradient_rows(self, x: np.ndarray, prepared: object) -> np.ndarray:
-        gradients = self.method._gradient_rows(to_unit(x), prepared)
-        return np.einsum("mvk,mkj->mvj", gradients, _tangents(x))
-
-    def _hessian_rows(self, x: np.ndarray, prepared: object) -> np.ndarray:
-        u, tangents = to_unit(x), _tangents(x)
-        gradients = self.method._gradient_rows(u, prepared)
-        hessians = self.method._hessian_rows(u, prepared)
-        bent = np.einsum("mki,mvkl,mlj->mvij", tangents, hessians, tangents)
-        return bent + np.einsum("mvk,mkij->mvij", gradients, _curvatures(x))
+    def _curvatures(self, x: np.ndarray) -> np.ndarray:
+        """Second derivatives of the unit vectors by degrees of longitude and latitude."""
+        (cos_lon, sin_lon), (cos_lat, sin_lat) = (_cos_sin(angle) for angle in x.T)
+        zero = np.zeros(len(x))
+        east = np.stack([-cos_lat * cos_lon, -cos_lat * sin_lon, zero], axis=1)
+        mixed = np.stack([sin_lat * sin_lon, -sin_lat * cos_lon, zero], axis=1)
+        matrix = np.stack([east, mixed, mixed, -to_unit(x)], axis=2).reshape(-1, 3, 2, 2)
+        return np.radians(1.0) ** 2 * matrix
 
     def _laplacian_rows(self, x: np.ndarray, prepared: object) -> np.ndarray:
         """That in space, less those of the radius: Lap t - u^T H u - 2 u . grad t."""
@@ -164,51 +130,6 @@ class OnGlobe(Reconstruction):
         along = np.einsum("mk,mvkl,ml->mv", u, hessians, u)
         slope = np.einsum("mk,mvk->mv", u, self.method._gradient_rows(u, prepared))
         return np.trace(hessians, axis1=2, axis2=3) - along - 2 * slope
-
-    def _adjoint(
-        self,
-        x: np.ndarray,
-        f: np.ndarray,
-        executor: Executor | None,
-        progress: Progress | None,
-    ) -> np.ndarray:
-        return self.method._adjoint(to_unit(x), f, executor, progress)
-
-    def _order(self, x: np.ndarray) -> np.ndarray | None:
-        return self.method._order(to_unit(x))
-
-    def _chunk_rows(self, columns: int) -> int:
-        return self.method._chunk_rows(columns)
-
-    def _weight_chunk_rows(self) -> int:
-        return self.method._weight_chunk_rows()
-
-
-def _combined(along: tuple[Weights, ...], tangent: np.ndarray) -> Weights:
-    """Weights (m, n) of the derivative along the tangents (m, 3)."""
-    x, y, z = (sparse.diags_array(t) @ g for g, t in zip(along, tangent.T, strict=True))
-    return x + y + z
-
-
-def _tangents(lonlat: np.ndarray) -> np.ndarray:
-    """Derivatives (m, 3, 2) of the unit vectors by a degree of longitude and of latitude."""
-    lon, lat = lonlat.T
-    (cos_lon, sin_lon), (cos_lat, sin_lat) = _cos_sin(lon), _cos_sin(lat)
-    zero = np.zeros_like(lon)
-    east = np.stack([-cos_lat * sin_lon, cos_lat * cos_lon, zero], axis=1)
-    north = np.stack([-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat], axis=1)
-    return np.radians(np.stack([east, north], axis=2))
-
-
-def _curvatures(lonlat: np.ndarray) -> np.ndarray:
-    """Second derivatives (m, 3, 2, 2) of the unit vectors by degrees of longitude and latitude."""
-    lon, lat = lonlat.T
-    (cos_lon, sin_lon), (cos_lat, sin_lat) = _cos_sin(lon), _cos_sin(lat)
-    zero = np.zeros_like(lon)
-    east = np.stack([-cos_lat * cos_lon, -cos_lat * sin_lon, zero], axis=1)
-    mixed = np.stack([sin_lat * sin_lon, -sin_lat * cos_lon, zero], axis=1)
-    matrix = np.stack([east, mixed, mixed, -to_unit(lonlat)], axis=2).reshape(-1, 3, 2, 2)
-    return np.radians(1.0) ** 2 * matrix
 
 
 def _cos_sin(degrees: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -14,22 +14,20 @@ by 3.5 %.
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Executor
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import sparse
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
-from fieldrecon.reconstruction import Field, Reconstruction, Weights
+from fieldrecon.methods.other_coordinates import OtherCoordinates
+from fieldrecon.reconstruction import Reconstruction
 
 _NEAREST = 1e-12  # least value of 1 + u . p: the antipode of the pole has no projection
 
 
-class OnTangentPlane(Reconstruction):
+class OnTangentPlane(OtherCoordinates):
     """A method in the plane, on projected unit vectors of a region: s(u) = t(g(u)).
 
     It is the method within `OnGlobe` for sites of one region; `fieldrecon.OnGlobe` evaluates it at
@@ -91,75 +89,21 @@ class OnTangentPlane(Reconstruction):
         self.degree = min(self.method.degree, 0)
         self.interpolates = self.method.interpolates
 
-    def field(self, values: ArrayLike, **how: Any) -> Field:
-        """Field of these data, as the method in the plane makes it.
-
-        Parameters
-        ----------
-        values : (n, ...) array_like
-            One real or complex scalar, vector or array for each site.
-        **how
-            Further arguments of the method's own `field`, such as `executor` and `progress`.
-        """
-        values = valid.as_values(values, len(self.points))
-        return Field(self, values, lambda columns: self.method.field(columns, **how)._prepared)
-
-    def _leave_one_out(self, values: np.ndarray, progress: Progress | None) -> np.ndarray:
-        return self.method._leave_one_out(values, progress)
-
-    @property
-    def _has_sparse_weights(self) -> bool:
-        return self.method._has_sparse_weights
-
-    def _project(self, x: np.ndarray) -> np.ndarray:
+    def _transformed(self, x: np.ndarray) -> np.ndarray:
         return in_tangent_plane(x, self.pole)
 
-    def _weight_rows(self, x: np.ndarray) -> Weights:
-        return self.method._weight_rows(self._project(x))
+    def _slopes(self, x: np.ndarray) -> np.ndarray:
+        """Derivatives of the projection in space: k' (u . e_i) p + k e_i."""
+        basis, (k, first, _) = _basis(self.pole), _scale(x @ self.pole)
+        along = np.einsum("m,mi,k->mik", first, x @ basis.T, self.pole)
+        return along + k[:, None, None] * basis
 
-    def _gradient_weight_rows(self, x: np.ndarray) -> tuple[Weights, ...]:
-        first, second = self.method._gradient_weight_rows(self._project(x))
-        slopes = _slopes(x, self.pole)
-        return tuple(
-            sparse.diags_array(slopes[:, 0, k]) @ first
-            + sparse.diags_array(slopes[:, 1, k]) @ second
-            for k in range(3)
-        )
-
-    def _prepare(self, values: np.ndarray) -> object:
-        return self.method._prepare(values)
-
-    def _value_rows(self, x: np.ndarray, prepared: object) -> np.ndarray:
-        return self.method._value_rows(self._project(x), prepared)
-
-    def _gradient_rows(self, x: np.ndarray, prepared: object) -> np.ndarray:
-        gradients = self.method._gradient_rows(self._project(x), prepared)
-        return np.einsum("mvi,mik->mvk", gradients, _slopes(x, self.pole))
-
-    def _hessian_rows(self, x: np.ndarray, prepared: object) -> np.ndarray:
-        flat, slopes = self._project(x), _slopes(x, self.pole)
-        gradients = self.method._gradient_rows(flat, prepared)
-        hessians = self.method._hessian_rows(flat, prepared)
-        bent = np.einsum("mik,mvij,mjl->mvkl", slopes, hessians, slopes)
-        return bent + np.einsum("mvi,mikl->mvkl", gradients, _curvatures(x, self.pole))
-
-    def _adjoint(
-        self,
-        x: np.ndarray,
-        f: np.ndarray,
-        executor: Executor | None,
-        progress: Progress | None,
-    ) -> np.ndarray:
-        return self.method._adjoint(self._project(x), f, executor, progress)
-
-    def _order(self, x: np.ndarray) -> np.ndarray | None:
-        return self.method._order(self._project(x))
-
-    def _chunk_rows(self, columns: int) -> int:
-        return self.method._chunk_rows(columns)
-
-    def _weight_chunk_rows(self) -> int:
-        return self.method._weight_chunk_rows()
+    def _curvatures(self, x: np.ndarray) -> np.ndarray:
+        """Second derivatives: k'' (u . e_i) p p^T + k' (p e_i^T + e_i p^T)."""
+        pole, basis, (_, first, second) = self.pole, _basis(self.pole), _scale(x @ self.pole)
+        pairs = np.einsum("k,il->ikl", pole, basis)
+        along = np.einsum("m,mi,k,l->mikl", second, x @ basis.T, pole, pole)
+        return along + first[:, None, None, None] * (pairs + pairs.swapaxes(1, 2))
 
 
 def mean_direction(points: np.ndarray) -> np.ndarray:
@@ -170,11 +114,15 @@ def mean_direction(points: np.ndarray) -> np.ndarray:
 
 def in_tangent_plane(points: np.ndarray, pole: np.ndarray) -> np.ndarray:
     """Projections (n, 2) of unit vectors (n, 3)."""
-    return _scale(points @ pole)[:, None] * (points @ _basis(pole).T)
+    k, _, _ = _scale(points @ pole)
+    return k[:, None] * (points @ _basis(pole).T)
 
 
-def _scale(t: np.ndarray) -> np.ndarray:
-    return np.sqrt(2 / np.maximum(1 + t, _NEAREST))
+def _scale(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The factor k = sqrt(2 / (1 + t)) of t = u . p, and its first two derivatives."""
+    rest = np.maximum(1 + t, _NEAREST)
+    k = np.sqrt(2 / rest)
+    return k, -k / (2 * rest), 3 * k / (4 * rest**2)
 
 
 def _basis(pole: np.ndarray) -> np.ndarray:
@@ -183,23 +131,3 @@ def _basis(pole: np.ndarray) -> np.ndarray:
     length = np.linalg.norm(east)
     east = east / length if length > 1e-9 else np.array([1.0, 0.0, 0.0])
     return np.stack([east, np.cross(pole, east)])
-
-
-def _slopes(x: np.ndarray, pole: np.ndarray) -> np.ndarray:
-    """Derivatives (m, 2, 3) of the projection in space: k' (u . e_i) p + k e_i."""
-    basis, t = _basis(pole), x @ pole
-    k = _scale(t)
-    first = -k / (2 * np.maximum(1 + t, _NEAREST))
-    along = np.einsum("m,mi,k->mik", first, x @ basis.T, pole)
-    return along + k[:, None, None] * basis
-
-
-def _curvatures(x: np.ndarray, pole: np.ndarray) -> np.ndarray:
-    """Second derivatives (m, 2, 3, 3): k'' (u . e_i) p p^T + k' (p e_i^T + e_i p^T)."""
-    basis, t = _basis(pole), x @ pole
-    rest = np.maximum(1 + t, _NEAREST)
-    first = -_scale(t) / (2 * rest)
-    second = -3 * first / (2 * rest)
-    pairs = np.einsum("k,il->ikl", pole, basis)
-    along = np.einsum("m,mi,k,l->mikl", second, x @ basis.T, pole, pole)
-    return along + first[:, None, None, None] * (pairs + pairs.swapaxes(1, 2))
