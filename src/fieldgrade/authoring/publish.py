@@ -8,12 +8,11 @@ import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import cast
 
 from fieldgrade.authoring.build import solved_file
 from fieldgrade.authoring.sources import Source
 from fieldreport.build.errors import BuildError
-from fieldreport.build.typesetting import NO_DATE, PDF_STANDARD, UPRIGHT_NABLA, pandoc
+from fieldreport.build.typesetting import UPRIGHT_NABLA, pandoc, typeset
 from fieldreport.build.webfonts import font_faces
 
 TEMPLATE = Path(__file__).parent / "template"
@@ -45,7 +44,7 @@ def publish(root: Path, source: Source, out: Path) -> Iterator[Path]:
         yield html
         (folder / "page.typ").write_text(_pandoc(root, source, folder, "typst"), encoding="utf-8")
         pdf = out / f"{source.name}.pdf"
-        pdf.write_bytes(_typeset(folder))
+        pdf.write_bytes(typeset(folder / "page.typ", folder))
         yield pdf
 
 
@@ -113,22 +112,3 @@ def _with_pictures(page: str, folder: Path) -> str:
         return f'src="data:image/svg+xml;base64,{content}"'
 
     return re.sub(r'src="(output_\w+\.svg)"', inside, page)
-
-
-def _typeset(folder: Path) -> bytes:
-    import typst
-
-    compiler = typst.Compiler(
-        str(folder / "page.typ"),
-        root=str(folder),
-        font_paths=typst.Fonts(include_system_fonts=False),
-    )
-    try:
-        pdf, warnings = compiler.compile_with_warnings(
-            format="pdf", timestamp=NO_DATE, pdf_standards=[PDF_STANDARD]
-        )
-    except typst.TypstError as error:
-        raise BuildError(f"typst: {error.diagnostic}") from error
-    if warnings:
-        raise BuildError("\n".join(f"typst: {warning.diagnostic}" for warning in warnings))
-    return cast(bytes, pdf)

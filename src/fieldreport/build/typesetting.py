@@ -84,9 +84,10 @@ class Document:
         """
         page, print_ = self.convert(values, metadata)
         write_atomically(self.page, page.encode())
+        source = write_atomically(self.out / ".state" / "report.typ", print_.encode())
         return [
             write_atomically(self.out / "report.html", self._dressed(page).encode()),
-            write_atomically(self.out / "report.pdf", self._typeset(print_)),
+            write_atomically(self.out / "report.pdf", typeset(source, self.out)),
         ]
 
     def convert(self, values: Mapping[str, Any], metadata: Mapping[str, str]) -> tuple[str, str]:
@@ -194,22 +195,6 @@ class Document:
         content = (self.out / "experiments" / html.unescape(source[0])).read_bytes()
         return f"data:image/svg+xml;base64,{base64.b64encode(content).decode()}"
 
-    def _typeset(self, text: str) -> bytes:
-        import typst
-
-        path = write_atomically(self.out / ".state" / "report.typ", text.encode())
-        fonts = typst.Fonts(include_system_fonts=False)
-        compiler = typst.Compiler(str(path), root=str(self.out), font_paths=fonts)
-        try:
-            pdf, warnings = compiler.compile_with_warnings(
-                format="pdf", timestamp=NO_DATE, pdf_standards=[PDF_STANDARD]
-            )
-        except typst.TypstError as error:
-            raise BuildError(f"typst: {error.diagnostic}") from error
-        if warnings:
-            raise BuildError("\n".join(f"typst: {warning.diagnostic}" for warning in warnings))
-        return cast(bytes, pdf)
-
 
 UPRIGHT_NABLA = '<mi mathvariant="normal">∇</mi>'
 """Without this, a browser would slant the operator like a variable."""
@@ -223,6 +208,29 @@ def pandoc() -> Path:
 
     name = "pandoc.exe" if sys.platform == "win32" else "pandoc"
     return Path(pypandoc.__file__).parent / "files" / name
+
+
+def typeset(source: Path, root: Path) -> bytes:
+    """Return the PDF of a Typst file that reads files below `root`, without a date.
+
+    Raises
+    ------
+    BuildError
+        Typst reported an error or a warning.
+    """
+    import typst
+
+    fonts = typst.Fonts(include_system_fonts=False)
+    compiler = typst.Compiler(str(source), root=str(root), font_paths=fonts)
+    try:
+        pdf, warnings = compiler.compile_with_warnings(
+            format="pdf", timestamp=NO_DATE, pdf_standards=[PDF_STANDARD]
+        )
+    except typst.TypstError as error:
+        raise BuildError(f"typst: {error.diagnostic}") from error
+    if warnings:
+        raise BuildError("\n".join(f"typst: {warning.diagnostic}" for warning in warnings))
+    return cast(bytes, pdf)
 
 
 def unquoted_facts(chapters: list[Path], values: Mapping[str, Any]) -> dict[str, list[str]]:
