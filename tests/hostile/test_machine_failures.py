@@ -91,8 +91,9 @@ if sys.platform == "linux":
     @pytest.mark.slow
     @pytest.mark.parametrize("fails", FAILURES, ids=lambda f: f.__name__)
     @pytest.mark.parametrize("tier", [tier for tier in HERE if tier in SANDBOXED])
-    def test_a_failure_of_the_machine_costs_no_points(course, tier, fails):
-        """The submission runs again."""
+    def test_a_failure_of_the_machine_costs_no_points(course, tier, fails, monkeypatch):
+        """The submission runs again. A server that is stopped never ends itself, and is killed."""
+        monkeypatch.setattr(server_module, "SECONDS_TO_END", 2.0)
         record = graded_while(course, tier, fails, 1)
         assert points(record) == POINTS["01"]
         assert (record.status, record.notes) == ("graded", ())

@@ -19,6 +19,7 @@ Tier = Literal["bubblewrap", "landlock", "none"]
 TIERS: tuple[Tier, ...] = ("bubblewrap", "landlock", "none")
 MEBIBYTE = 1 << 20
 SECONDS_TO_START = 60.0
+SECONDS_TO_ANSWER = 30.0
 SECONDS_TO_END = 30.0
 OWN_MOUNTS = True
 """Whether servers try to have mounts of their own; tests show what holds without them."""
@@ -217,7 +218,7 @@ class Server:
         theirs.close()
         with suppress(OSError):
             if self._control.recv(1) == b"+":
-                self._control.settimeout(SECONDS_TO_END)
+                self._control.settimeout(SECONDS_TO_ANSWER)
                 return
         self._stop()
         raise RuntimeError(f"the sandbox server ({self.tier}) does not start")
