@@ -31,6 +31,8 @@ _OPTIONS = (
     "z",
     "sigma",
     "strict",
+    "missing",
+    "decimal",
     "method",
     "grid",
     "at",
@@ -67,6 +69,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--lonlat", action="store_true", help="x and y are degrees of longitude and latitude")
     add("--crs", metavar="NAME", help="of x and y, such as EPSG:32612: recorded in NetCDF files")
     add("--strict", action="store_true", help="stop at a bad row instead of skipping it")
+    add(
+        "--missing",
+        type=float,
+        action="append",
+        metavar="NUMBER",
+        help="a number that marks missing values, such as -9999; may be repeated",
+    )
+    add(
+        "--decimal",
+        choices=(".", ","),
+        help="the decimal sign, where the numbers of a text do not show it",
+    )
     add(
         "--method",
         default="best",

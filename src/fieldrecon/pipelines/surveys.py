@@ -307,6 +307,8 @@ def reconstruct(
     sigma: Any = None,
     lonlat: bool | None = None,
     strict: bool = False,
+    missing: Any = None,
+    decimal: str | None = None,
     method: str = "best",
     grid: Sequence[int] | None = None,
     at: Any = None,
@@ -333,6 +335,10 @@ def reconstruct(
         in the data are ``degrees_east`` and ``degrees_north``.
     strict : bool
         Refuse a table with a bad row, instead of skipping the row.
+    missing : float or sequence of float, optional
+        Numbers that mark missing values, such as -9999: rows with one of them are left out.
+    decimal : str, optional
+        The decimal sign of a text, "." or ","; by default that of its numbers.
     method : str
         A name in `fieldrecon.selection.MODELS`, or "best": the method with the smallest error
         at samples that are left out.
@@ -388,10 +394,17 @@ def reconstruct(
     else:
         source, names = as_table(data, x, y, value, z, sigma)
         samples = read_samples(
-            source, **names, lonlat=lonlat, strict=strict, crs=crs, progress=stages("reading")
+            source,
+            **names,
+            lonlat=lonlat,
+            strict=strict,
+            missing=missing,
+            decimal=decimal,
+            crs=crs,
+            progress=stages("reading"),
         )
         refuse_flat(samples)
-    targets = _targets(samples, grid, at, mesh, strict)
+    targets = _targets(samples, grid, at, mesh, strict, decimal)
     sites, queries = _on_globe(samples, samples.points), _on_globe(samples, targets.points)
     stages("choosing the folds")
     asked = _asked_for(sites, queries, targets, samples.lonlat)
@@ -419,6 +432,7 @@ def _targets(
     at: Any,
     mesh: str | Path | None,
     strict: bool,
+    decimal: str | None,
 ) -> Targets:
     """Read the targets, or lay a grid over the samples."""
     d = samples.points.shape[1]
@@ -430,7 +444,7 @@ def _targets(
         return grid_over(samples.points, grid or _DEFAULT_GRIDS[d], samples.lonlat)
     names = samples.names[:-1]
     if is_table(at):
-        return targets_of_table(as_source(at), names, samples.lonlat, strict)
+        return targets_of_table(as_source(at), names, samples.lonlat, strict, decimal)
     return Targets(valid.as_points(valid.as_queries(at, d, "at"), "at"))
 
 

@@ -235,12 +235,20 @@ def test_targets_may_be_in_memory():
     np.testing.assert_allclose(plane(FRAME, grid=None, at=POINTS[:4]).result.values, PLANE[:4])
 
 
-def test_bad_rows_of_targets_are_left_out():
-    """With their labels; the rest is in its order."""
+def test_bad_rows_of_targets_are_kept_without_values(tmp_path):
+    """In data frames, CSV and NPZ, so that the rows are those of the table."""
     some = FRAME.iloc[10:16].copy()
     some.iloc[2, 0] = np.nan
     survey = plane(FRAME, grid=None, at=some)
-    assert [*survey.to_dataframe().index] == [10, 11, 13, 14, 15]
+    found = survey.to_dataframe()
+    assert [*found.index] == [*range(10, 16)]
+    assert [*found.index[found["depth [m]"].isna()]] == [12]
+    assert found.loc[13, "extrapolated"] == survey.result.extrapolated[2]
+    lines = survey.write(tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
+    assert [line.startswith(",,,") for line in lines] == [k == 3 for k in range(7)]
+    with np.load(survey.write(tmp_path / "a.npz")) as arrays:
+        assert np.flatnonzero(np.isnan(arrays["values"])).tolist() == [2]
+        assert arrays["points"].shape == (6, 2)
     assert any("1 row is not a point; the first, row 2: east" in w for w in survey.warnings)
 
 
