@@ -20,7 +20,7 @@ from fieldrecon.cli.progress import stages
 from fieldrecon.io.saved_fields import save
 from fieldrecon.io.values import FORMATS, as_formats
 from fieldrecon.pages.reconstruction_page import methods_csv, pictures, summary
-from fieldrecon.pipelines.surveys import SurveyResult
+from fieldrecon.pipelines.survey_results import SurveyResult
 from fieldrecon.pipelines.surveys import reconstruct as reconstruct_samples
 from fieldrecon.selection.models import MODELS
 
@@ -55,12 +55,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a table: text (.csv, .txt, .xyz …), .npz or .parquet",
     )
     add("--load", type=Path, metavar="FIELD.npz", help="evaluate a field that --save wrote")
-    for name in ("x", "y", "z", "value"):
+    for name in ("x", "y", "z"):
         add(
             f"--{name}",
             metavar="COLUMN",
             help=f"the column that holds {name}" + (", of points in space" if name == "z" else ""),
         )
+    add(
+        "--value",
+        action="append",
+        metavar="COLUMN",
+        help="the column that holds the value; repeated for several values, by one method",
+    )
     add(
         "--sigma",
         metavar="COLUMN",
@@ -118,6 +124,8 @@ def reconstruct(options: argparse.Namespace) -> None:
         raise ValueError("give either a table of samples or --load with a field")
     file, formats = _outputs(options)
     given = {name: getattr(options, name) for name in _OPTIONS}
+    if options.value and len(options.value) == 1:
+        (given["value"],) = options.value
     with stages() as stage:
         survey = reconstruct_samples(
             options.samples, **given, lonlat=options.lonlat or None, stages=stage
@@ -148,9 +156,10 @@ def print_survey(survey: SurveyResult) -> None:
     """Print the errors of the methods, what was evaluated, and the warnings."""
     compared = [t for t in survey.ranked if t.residuals is not None]
     rows = [(t.model.name, t.model.meaning, t.n_held_out, t.rms, t.largest) for t in compared]
-    name, count = survey.samples.names[-1], len(survey.samples.points)
+    names, count = survey.samples.value_names, len(survey.samples.points)
+    unit = ", in standard deviations of each value" if survey.samples.values.ndim == 2 else ""
     if rows:
-        title = f"{name} at {count} points: error at samples that are held out"
+        title = f"{', '.join(names)} at {count} points: error at held-out samples{unit}"
         columns = ("method", "what it is", "held out", "rms error", "largest error")
         print_table(columns, rows, title=title)
     for t in survey.scores:

@@ -432,6 +432,13 @@ def chosen_columns(table: object, columns: list[str], names: Mapping[str, str | 
     if found["value"] is None and len(unused) == 1:
         found["value"] = unused.pop()
     for role, column in found.items():
+        usual_names = _USUAL_NAMES.get(role, ())
+        other = next((o for o, c in found.items() if _is_usual(columns, c, usual_names)), None)
+        if column is None and role in AXES and other is not None:
+            raise ValueError(
+                f"the column {names[other]} of {table} was named as {other}, and no other column "
+                f"is {role}; the columns are {', '.join(columns)}"
+            )
         if column is None:
             raise ValueError(
                 f"it is not clear which column of {table} is {role}; "
@@ -450,6 +457,10 @@ def _usual_column(
     taken = set(taken)
     bare = {bare_name(name): k for k, name in reversed([*enumerate(columns)]) if k not in taken}
     return next((bare[name] for name in usual if name in bare), None)
+
+
+def _is_usual(columns: list[str], column: int | None, usual: Sequence[str]) -> bool:
+    return column is not None and bare_name(columns[column]) in usual
 
 
 def bare_name(name: str) -> str:

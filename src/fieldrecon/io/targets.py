@@ -128,7 +128,7 @@ class TargetValues:
         columns: dict[str, np.ndarray] = {}
         for k, name in enumerate(self.value_names):
             one = self.single(k)
-            of_name = "error" if self.values.ndim == 1 else f"error of {name}"
+            of_name = "error" if self.values.ndim == 1 else f"error of {name_and_unit(name)[0]}"
             columns |= {name: one.values, unused_name(of_name, taken): one.error}
         return columns | {unused_name("extrapolated", taken): self.extrapolated}
 

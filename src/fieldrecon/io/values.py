@@ -2,8 +2,8 @@
 
 Every format holds the same columns: the value under its name, ``error`` (of `ErrorBand`), and
 ``extrapolated`` (0 within the validated distance, 1 beyond, 2 also outside the hull). Of several
-values each has its column, and its error as ``error of NAME``. CSV and NPZ keep the rows of a table
-of targets: a bad one is empty in CSV and NaN in NPZ.
+values each has its column, and its error as ``error of`` its name without the unit. CSV and NPZ
+keep the rows of a table of targets: a bad one is empty in CSV and NaN in NPZ.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def write_npz(path: Path, result: TargetValues) -> None:
     data = {"values": result.values, "error": result.error, "extrapolated": result.extrapolated}
     placed = {name: _in_rows(targets, array) for name, array in data.items()}
     shaped = {
-        name: array.reshape(*targets.shape, *array.shape[1:]) if targets.axes else array
+        name: array.reshape(targets.shape + array.shape[1:]) if targets.axes else array
         for name, array in placed.items()
     }
     with path.open("wb") as file:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import partial
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from fieldrecon._core.extras import PICTURES, absent, require
@@ -16,7 +15,7 @@ from fieldrecon.selection.cross_validation import ModelScore
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from fieldrecon.pipelines.surveys import SurveyResult
+    from fieldrecon.pipelines.survey_results import SurveyResult
 
 CAPTIONS = {
     "reconstruction": "The field",
@@ -26,17 +25,19 @@ CAPTIONS = {
     "held_out": "Held-out samples against their predictions",
 }
 """The pictures of a page, by name."""
+OF_EACH_VALUE = ("reconstruction", "error", "held_out")
+"""The pictures of one value, which there are for each of several."""
 METHODS = ("method", "what it is", "held out", "rms error", "largest error", "remark")
 
 _METHODS = "<h2>Methods</h2>$table"
-_HEAD = """<caption>Errors at samples that are held out. All methods are compared at the first of
-them, and the best at all.</caption>
+_HEAD = """<caption>Errors at samples that are held out$unit. All methods are compared at the first
+of them, and the best at all.</caption>
 <thead><tr><th>method</th><th>what it is</th><th class="number">held out</th>
 <th class="number">rms error</th>
 <th class="number">largest error</th></tr></thead>
 """
 _ROW = '<tr$chosen><td>$name</td><td class="words">$meaning</td>$errors</tr>'
-_COVERAGE = "<h2>Coverage of the error by distance</h2>$table"
+_COVERAGE = "<h2>Coverage of the error$of_value by distance</h2>$table"
 _COVERAGE_HEAD = """<caption>Fraction of the held-out samples whose residual is below the given
 error, by distance from the nearest sample.</caption>
 <thead><tr><th class="number">distance up to</th><th class="number">held out</th>
@@ -52,23 +53,44 @@ _ERRORS = (
 _NO_ERRORS = '<td class="words" colspan="3">$reason</td>'
 
 
-def pictures(survey: SurveyResult, *names: str) -> dict[str, Figure]:
-    """Draw the pictures of these names, or all that there are.
+def pictures(survey: SurveyResult) -> dict[str, Figure]:
+    """Draw all pictures that there are, by their names; those of several values are numbered.
 
     Raises
     ------
     ModuleNotFoundError
         If the packages that draw are not installed: with the extra that provides them.
     """
-    require(*PICTURES)
-    from fieldrecon.plotting.field_pictures import plot, plot_error
-    from fieldrecon.plotting.validation_pictures import plot_distances, plot_held_out
+    several = survey.samples.values.ndim == 2
+    names = [name for name in CAPTIONS if _is_known(survey, name)]
+    return {
+        f"{name}_{k + 1}" if several and name in OF_EACH_VALUE else name: picture(survey, name, k)
+        for k in range(len(survey.samples.value_names))
+        for name in names
+        if k == 0 or name in OF_EACH_VALUE
+    }
 
-    draw = {"reconstruction": partial(plot, survey), "error": partial(plot_error, survey)}
-    if not isinstance(survey.validation, str):
-        draw["distances"] = partial(plot_distances, survey.validation)
-        draw["held_out"] = partial(plot_held_out, survey.validation, survey.result.labels[-1])
-    return {name: draw[name]() for name in names or draw}
+
+def _is_known(survey: SurveyResult, name: str) -> bool:
+    """Whether there is such a picture: those of a validation only if there is one."""
+    return name not in ("distances", "held_out") or not isinstance(survey.validations, str)
+
+
+def picture(survey: SurveyResult, name: str, k: int = 0) -> Figure:
+    """Draw the picture of this name, of the value of index k."""
+    require(*PICTURES)
+    from fieldrecon.plotting import field_pictures, validation_pictures
+
+    if name == "reconstruction":
+        return field_pictures.plot(survey, k)
+    if name == "error":
+        return field_pictures.plot_error(survey, k)
+    assert not isinstance(survey.validations, str), "pictures of a validation take one"
+    if name == "distances":
+        return validation_pictures.plot_distances(survey.validations[k])
+    return validation_pictures.plot_held_out(
+        survey.validations[k], survey.result.single(k).labels[-1]
+    )
 
 
 def summary(
@@ -88,20 +110,27 @@ def summary(
     """
     if drawn is None:
         drawn = {} if absent(*PICTURES) else pictures(survey)
-    images = {CAPTIONS[name]: figure_bytes(picture, "png") for name, picture in drawn.items()}
-    name = survey.result.labels[-1]
+    images = {_caption(survey, name): figure_bytes(one, "png") for name, one in drawn.items()}
     method = description(survey.field.method)
     parameters = {"method": method.pop("name")} | _flattened(method) | dict(options)
     samples = f"{len(survey.samples.points):,} samples of {survey.source}"
     targets = f"{len(survey.result.values):,} {survey.result.targets.kind}"
     return page(
-        f"{name}, reconstructed",
+        f"{survey.title}, reconstructed",
         f"From {samples}, at {targets}, by {survey.method}.",
         images,
         survey.warnings,
-        joined([_methods_section(survey), _coverage_section(survey)]),
+        joined([_methods_section(survey), *_coverage_sections(survey)]),
         parameters | {"time and memory": survey.cost},
     )
+
+
+def _caption(survey: SurveyResult, name: str) -> str:
+    """The caption of a picture, with the name of its value if there are several."""
+    known, _, number = name.rpartition("_")
+    if not number.isdigit():
+        return CAPTIONS[name]
+    return f"{CAPTIONS[known]}: {survey.samples.value_names[int(number) - 1]}"
 
 
 def methods_csv(survey: SurveyResult) -> bytes:
@@ -121,19 +150,23 @@ def _methods_section(survey: SurveyResult) -> Html:
     if not survey.scores:
         return NOTHING
     rows = (_row(score, score is survey.chosen) for score in survey.ranked)
-    head = fill(_HEAD)
+    several = survey.samples.values.ndim == 2
+    head = fill(_HEAD, unit=", in standard deviations of each value" if several else "")
     return fill(_METHODS, table=table(rows, head))
 
 
-def _coverage_section(survey: SurveyResult) -> Html:
-    """Return the table of the coverage of the error, by distance from the nearest sample."""
-    if isinstance(survey.validation, str):
-        return NOTHING
-    rows = (
-        fill(_COVERAGE_ROW, far=far, count=count, share=f"{100 * share:.0f}")
-        for far, share, count in survey.validation.coverage()
-    )
-    return fill(_COVERAGE, table=table(rows, fill(_COVERAGE_HEAD)))
+def _coverage_sections(survey: SurveyResult) -> Iterator[Html]:
+    """Yield for each value the coverage of the error, by distance from the nearest sample."""
+    if isinstance(survey.validations, str):
+        return
+    several = len(survey.validations) > 1
+    for name, validation in zip(survey.samples.value_names, survey.validations, strict=True):
+        rows = (
+            fill(_COVERAGE_ROW, far=far, count=count, share=f"{100 * share:.0f}")
+            for far, share, count in validation.coverage()
+        )
+        of_value = f" of {name}" if several else ""
+        yield fill(_COVERAGE, of_value=of_value, table=table(rows, fill(_COVERAGE_HEAD)))
 
 
 def _row(score: ModelScore, chosen: bool) -> Html:

@@ -16,7 +16,7 @@ from fieldrecon.plotting.style import figure
 from fieldrecon.selection.extrapolation import AMONG, OUTSIDE
 
 if TYPE_CHECKING:
-    from fieldrecon.pipelines.surveys import SurveyResult
+    from fieldrecon.pipelines.survey_results import SurveyResult
 
 _SIDE = 400
 """Largest number of nodes along each side that are drawn: as many as a screen can show."""
@@ -27,16 +27,16 @@ _UNEVEN = 1e-3  # difference of the steps of an axis, as a fraction of the large
 _WIDTH, _HEIGHT = 4.2, 3.3
 
 
-def plot(survey: SurveyResult) -> Figure:
-    """Draw the field and the samples: pale where extrapolated, hatched outside the hull."""
-    result = _drawn(survey.result)
+def plot(survey: SurveyResult, k: int = 0) -> Figure:
+    """Draw the value of index k and the samples: pale where extrapolated, hatched outside."""
+    result = _drawn(survey.result.single(k))
     among = result.values[result.extrapolated == AMONG]
     return _picture(survey, result, result.values, _colors(among), result.labels[-1])
 
 
-def plot_error(survey: SurveyResult) -> Figure:
-    """Draw the error of the field."""
-    result = _drawn(survey.result)
+def plot_error(survey: SurveyResult, k: int = 0) -> Figure:
+    """Draw the error of the value of index k."""
+    result = _drawn(survey.result.single(k))
     among = result.error[result.extrapolated == AMONG]
     colors = _colors(among)
     if among.size and 0 < among.min() < among.max() / 30:

@@ -251,6 +251,12 @@ def test_numbers_are_read_as_they_are_written(table, text):
     assert samples.bad == ()
 
 
+def test_a_coordinate_that_was_named_as_the_value_is_reported(table):
+    path = table("x,y,height\n0,0,1\n")
+    with pytest.raises(ValueError, match=r"column x of .* was named as value, and no other column"):
+        read_samples(path, value="x")
+
+
 def test_an_ambiguous_comma_is_refused_unless_its_meaning_is_given(table):
     path = table("x;y;value\n1,234;1;2\n5,678;0;1\n")
     with pytest.raises(ValueError, match=r"comma in 1,234 marks decimals or thousands.*option dec"):
