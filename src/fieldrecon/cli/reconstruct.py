@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.extras import PICTURES, absent
@@ -19,10 +21,13 @@ from fieldrecon.cli.console import (
 from fieldrecon.cli.progress import stages
 from fieldrecon.io.saved_fields import save
 from fieldrecon.io.values import FORMATS, as_formats
-from fieldrecon.pages.reconstruction_page import methods_csv, pictures, summary
+from fieldrecon.pages.reconstruction_page import COLORS, methods_csv, pictures, summary
 from fieldrecon.pipelines.survey_results import SurveyResult
 from fieldrecon.pipelines.surveys import reconstruct as reconstruct_samples
 from fieldrecon.selection.models import MODELS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _OPTIONS = (
     "x",
@@ -33,6 +38,7 @@ _OPTIONS = (
     "strict",
     "missing",
     "decimal",
+    "units",
     "method",
     "grid",
     "at",
@@ -83,6 +89,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a number that marks missing values, such as -9999; may be repeated",
     )
     add(
+        "--units",
+        action="append",
+        metavar="UNIT",
+        help="the unit of the value, or of each of several in turn; also: a column named depth [m]",
+    )
+    add(
         "--decimal",
         choices=(".", ","),
         help="the decimal sign, where the numbers of a text do not show it",
@@ -107,6 +119,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add("--format", metavar="NAMES", help="formats in the folder, such as csv,npz (the default)")
     add("--save", type=Path, metavar="FIELD.npz", help="save the fitted field")
+    add("--title", metavar="TEXT", help="of the page")
+    add(
+        "--colors",
+        default=COLORS,
+        metavar="NAME",
+        help=f"a colour map of Matplotlib, such as cividis or RdBu_r ({COLORS})",
+    )
     parser.set_defaults(command=reconstruct)
 
 
@@ -142,6 +161,8 @@ def _outputs(options: argparse.Namespace) -> tuple[Path | None, list[str]]:
     suffix = options.out.suffix
     file = options.out if re.fullmatch(r"\.[A-Za-z]\w*", suffix) else None
     formats = as_formats([suffix] if file else (options.format or "csv,npz").split(","))
+    if not file and options.out.exists() and not options.out.is_dir():
+        raise ValueError(f"--out {options.out} is a file; a name without a suffix is a folder's")
     if file and options.format and as_formats(options.format.split(",")) != formats:
         raise ValueError(f"--out {file} names another format than --format {options.format}")
     inputs = (options.samples, options.load, options.at, options.mesh)
@@ -174,19 +195,33 @@ def print_survey(survey: SurveyResult) -> None:
 def _written(
     survey: SurveyResult, file: Path | None, formats: Sequence[str], options: argparse.Namespace
 ) -> Iterator[Path]:
-    """Write the values, the methods, the pictures and the page; yield the files."""
-    from fieldrecon.plotting.figure_files import write_figure
+    """Write the data, the pictures, and the page, which links to the others; yield the files."""
+    drawn = {} if absent(*PICTURES) else pictures(survey, options.colors)
+    written = [*_data_written(survey, file, formats, options)]
+    if not file:
+        written += _pictures_written(drawn, options.out)
+    page = file.with_suffix(".html") if file else options.out / "summary.html"
+    links = [os.path.relpath(path, page.parent) for path in written]
+    content = summary(survey, as_parameters(options), drawn, title=options.title, files=links)
+    yield from written
+    yield write_atomically(page, content.encode())
 
+
+def _data_written(
+    survey: SurveyResult, file: Path | None, formats: Sequence[str], options: argparse.Namespace
+) -> Iterator[Path]:
     stem = _STEMS[survey.result.targets.kind]
     for name in formats:
         yield survey.write(file or options.out / f"{stem}.{name}")
     if options.save:
         save(options.save, survey.field, survey.samples.names)
         yield options.save
-    drawn = {} if absent(*PICTURES) else pictures(survey)
-    page = file.with_suffix(".html") if file else options.out / "summary.html"
     if not file:
         yield write_atomically(options.out / "methods.csv", methods_csv(survey))
-        for name, picture in drawn.items():
-            yield from write_figure(picture, options.out / name, ("png", "svg"))
-    yield write_atomically(page, summary(survey, as_parameters(options), drawn).encode())
+
+
+def _pictures_written(drawn: Mapping[str, Figure], folder: Path) -> Iterator[Path]:
+    from fieldrecon.plotting.figure_files import write_figure
+
+    for name, picture in drawn.items():
+        yield from write_figure(picture, folder / name, ("png", "svg"))

@@ -111,10 +111,7 @@ class TargetValues:
         """For each coordinate and value, the name without its unit, and the unit."""
         units = self.units or ("",) * len(self.names)
         found = [name_and_unit(name) for name in self.names]
-        return [
-            (bare, known) if not own else (name, own)
-            for name, own, (bare, known) in zip(self.names, units, found, strict=True)
-        ]
+        return [(bare, own or known) for own, (bare, known) in zip(units, found, strict=True)]
 
     @property
     def labels(self) -> list[str]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fieldrecon._core.extras import PICTURES, absent, require
 from fieldrecon.io.saved_fields import description
 from fieldrecon.io.tables import csv_bytes
-from fieldrecon.pages.one_page import NOTHING, Html, fill, joined, page, table
+from fieldrecon.pages.one_page import NOTHING, Html, fill, joined, links, page, table
 from fieldrecon.plotting.figure_files import figure_bytes
 from fieldrecon.selection.cross_validation import ModelScore
 
@@ -20,12 +20,16 @@ if TYPE_CHECKING:
 CAPTIONS = {
     "reconstruction": "The field",
     "error": "The error of the field",
+    "nearest": "Distance from the nearest sample",
+    "variogram": "The variogram of the samples",
     "distances": "Distances from the nearest sample: of the targets, of the held-out samples, and "
     "of each sample from the others",
     "held_out": "Held-out samples against their predictions",
 }
 """The pictures of a page, by name."""
-OF_EACH_VALUE = ("reconstruction", "error", "held_out")
+COLORS = "viridis"
+"""The colour map unless another one is chosen."""
+OF_EACH_VALUE = ("reconstruction", "error", "variogram", "held_out")
 """The pictures of one value, which there are for each of several."""
 METHODS = ("method", "what it is", "held out", "rms error", "largest error", "remark")
 
@@ -37,6 +41,18 @@ of them, and the best at all.</caption>
 <th class="number">largest error</th></tr></thead>
 """
 _ROW = '<tr$chosen><td>$name</td><td class="words">$meaning</td>$errors</tr>'
+_VARIOGRAM = "<h2>Variogram</h2>$table"
+_VARIOGRAM_HEAD = """<caption>The exponential model that is fitted to half the mean square of the
+differences of samples, by their distance. The nugget is the noise, and what varies between nearest
+samples; the range is the distance beyond which samples are hardly correlated. It describes the
+samples; the methods are chosen by the held-out samples.</caption>
+<thead><tr><th>value</th><th class="number">nugget</th><th class="number">sill</th>
+<th class="number">range</th></tr></thead>
+"""
+_VARIOGRAM_ROW = (
+    '<tr><td>$name</td><td class="number">$nugget</td><td class="number">$sill</td>'
+    '<td class="number">$range</td></tr>'
+)
 _COVERAGE = "<h2>Coverage of the error$of_value by distance</h2>$table"
 _COVERAGE_HEAD = """<caption>Fraction of the held-out samples whose residual is below the given
 error, by distance from the nearest sample.</caption>
@@ -53,18 +69,22 @@ _ERRORS = (
 _NO_ERRORS = '<td class="words" colspan="3">$reason</td>'
 
 
-def pictures(survey: SurveyResult) -> dict[str, Figure]:
+def pictures(survey: SurveyResult, colors: str = COLORS) -> dict[str, Figure]:
     """Draw all pictures that there are, by their names; those of several values are numbered.
 
     Raises
     ------
     ModuleNotFoundError
         If the packages that draw are not installed: with the extra that provides them.
+    ValueError
+        If there is no such colour map.
     """
     several = survey.samples.values.ndim == 2
     names = [name for name in CAPTIONS if _is_known(survey, name)]
     return {
-        f"{name}_{k + 1}" if several and name in OF_EACH_VALUE else name: picture(survey, name, k)
+        f"{name}_{k + 1}" if several and name in OF_EACH_VALUE else name: picture(
+            survey, name, k, colors
+        )
         for k in range(len(survey.samples.value_names))
         for name in names
         if k == 0 or name in OF_EACH_VALUE
@@ -76,27 +96,34 @@ def _is_known(survey: SurveyResult, name: str) -> bool:
     return name not in ("distances", "held_out") or not isinstance(survey.validations, str)
 
 
-def picture(survey: SurveyResult, name: str, k: int = 0) -> Figure:
+def picture(survey: SurveyResult, name: str, k: int = 0, colors: str = COLORS) -> Figure:
     """Draw the picture of this name, of the value of index k."""
     require(*PICTURES)
     from fieldrecon.plotting import field_pictures, validation_pictures
 
-    if name == "reconstruction":
-        return field_pictures.plot(survey, k)
-    if name == "error":
-        return field_pictures.plot_error(survey, k)
+    maps = {
+        "reconstruction": field_pictures.plot,
+        "error": field_pictures.plot_error,
+        "nearest": field_pictures.plot_nearest,
+    }
+    label = survey.result.single(k).labels[-1]
+    if name in maps:
+        return maps[name](survey, k, field_pictures.color_map(colors))
+    if name == "variogram":
+        return validation_pictures.plot_variogram(survey.variogram(k), label)
     assert not isinstance(survey.validations, str), "pictures of a validation take one"
     if name == "distances":
         return validation_pictures.plot_distances(survey.validations[k])
-    return validation_pictures.plot_held_out(
-        survey.validations[k], survey.result.single(k).labels[-1]
-    )
+    return validation_pictures.plot_held_out(survey.validations[k], label)
 
 
 def summary(
     survey: SurveyResult,
     options: Mapping[str, Any],
     drawn: Mapping[str, Figure] | None = None,
+    *,
+    title: str | None = None,
+    files: Sequence[str] = (),
 ) -> str:
     """Return the HTML of the page; without pictures if the packages that draw are missing.
 
@@ -107,6 +134,10 @@ def summary(
         The options of the command line, or other parameters.
     drawn : mapping of str to Figure, optional
         The pictures, if they are drawn already.
+    title : str, optional
+        Of the page; by default the names of the values.
+    files : sequence of str
+        Files beside the page to which it links.
     """
     if drawn is None:
         drawn = {} if absent(*PICTURES) else pictures(survey)
@@ -116,11 +147,18 @@ def summary(
     samples = f"{len(survey.samples.points):,} samples of {survey.source}"
     targets = f"{len(survey.result.values):,} {survey.result.targets.kind}"
     return page(
-        f"{survey.title}, reconstructed",
+        title or f"{survey.title}, reconstructed",
         f"From {samples}, at {targets}, by {survey.method}.",
         images,
         survey.warnings,
-        joined([_methods_section(survey), *_coverage_sections(survey)]),
+        joined(
+            [
+                _methods_section(survey),
+                _variogram_section(survey),
+                *_coverage_sections(survey),
+                fill("<h2>Files</h2>$files", files=links(files)) if files else NOTHING,
+            ]
+        ),
         parameters | {"time and memory": survey.cost},
     )
 
@@ -153,6 +191,22 @@ def _methods_section(survey: SurveyResult) -> Html:
     several = survey.samples.values.ndim == 2
     head = fill(_HEAD, unit=", in standard deviations of each value" if several else "")
     return fill(_METHODS, table=table(rows, head))
+
+
+def _variogram_section(survey: SurveyResult) -> Html:
+    """Return the nugget, the sill and the range of each value, in the words of kriging."""
+    found = {name: survey.variogram(k) for k, name in enumerate(survey.samples.value_names)}
+    rows = (
+        fill(
+            _VARIOGRAM_ROW,
+            name=name,
+            nugget=one.nugget_in_words,
+            sill=one.sill_in_words,
+            range=one.range_in_words,
+        )
+        for name, one in found.items()
+    )
+    return fill(_VARIOGRAM, table=table(rows, fill(_VARIOGRAM_HEAD)))
 
 
 def _coverage_sections(survey: SurveyResult) -> Iterator[Html]:

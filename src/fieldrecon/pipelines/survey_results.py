@@ -12,6 +12,7 @@ import numpy as np
 from fieldrecon._core import validation as valid
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.chunks import Stages, silent
+from fieldrecon._core.extras import PICTURES, absent
 from fieldrecon._core.memory import memory_used
 from fieldrecon.io.frames import as_source, is_labelled, is_table
 from fieldrecon.io.labelled import to_dataframe, to_xarray
@@ -19,9 +20,10 @@ from fieldrecon.io.targets import Targets, TargetValues, targets_of_table
 from fieldrecon.io.values import write_values
 from fieldrecon.methods.globe import OnGlobe, to_unit
 from fieldrecon.methods.tangent_plane import OnTangentPlane
-from fieldrecon.pages.reconstruction_page import picture, summary
+from fieldrecon.pages.reconstruction_page import COLORS, picture, pictures, summary
 from fieldrecon.pipelines.samples import Samples
 from fieldrecon.pipelines.validation import Validation
+from fieldrecon.pipelines.variograms import Variogram, variogram
 from fieldrecon.reconstruction import Field
 from fieldrecon.selection.cross_validation import ModelScore
 from fieldrecon.selection.error_bands import COVERAGE
@@ -176,26 +178,36 @@ class SurveyResult:
         """
         return write_values(Path(path), self.result)
 
-    def plot(self, value: str | None = None) -> Figure:
+    def plot(self, value: str | None = None, *, colors: str = COLORS) -> Figure:
         """Draw the field and the samples, pale where extrapolated.
 
         Parameters
         ----------
         value : str, optional
             One of several values, by its name; by default the first.
+        colors : str
+            A colour map of Matplotlib.
 
         Raises
         ------
         ModuleNotFoundError
             If the packages that draw are not installed: with the extra that provides them.
         ValueError
-            If there is no such value.
+            If there is no such value, or no such colour map.
         """
-        return picture(self, "reconstruction", self._index(value))
+        return picture(self, "reconstruction", self._index(value), colors)
 
-    def plot_error(self, value: str | None = None) -> Figure:
+    def plot_error(self, value: str | None = None, *, colors: str = COLORS) -> Figure:
         """Draw the error of the field, or of one of several values."""
-        return picture(self, "error", self._index(value))
+        return picture(self, "error", self._index(value), colors)
+
+    def variogram(self, k: int = 0) -> Variogram:
+        """The variogram of the samples of the value of index k, on the globe in degrees."""
+        samples = self.samples
+        points, unit = samples.points, " degrees" if samples.lonlat else ""
+        if samples.lonlat:
+            points = np.degrees(to_unit(points))  # chords, near to arcs at the distances used
+        return variogram(points, samples.columns[:, k], unit)
 
     def _index(self, value: str | None) -> int:
         names = self.samples.value_names
@@ -203,7 +215,14 @@ class SurveyResult:
             raise ValueError(f"there is no value {value!r}; there are {', '.join(names)}")
         return 0 if value is None else names.index(value)
 
-    def report(self, path: str | Path, parameters: Mapping[str, Any] | None = None) -> Path:
+    def report(
+        self,
+        path: str | Path,
+        parameters: Mapping[str, Any] | None = None,
+        *,
+        title: str | None = None,
+        colors: str = COLORS,
+    ) -> Path:
         """Write a page of HTML with the pictures, the warnings, the methods and the parameters.
 
         Parameters
@@ -211,12 +230,18 @@ class SurveyResult:
         path : str or pathlib.Path
         parameters : mapping, optional
             Further parameters for the table at its end.
+        title : str, optional
+            Of the page; by default the names of the values.
+        colors : str
+            A colour map of Matplotlib.
 
         Returns
         -------
         pathlib.Path
         """
-        return write_atomically(Path(path), summary(self, parameters or {}).encode())
+        drawn = {} if absent(*PICTURES) else pictures(self, colors)
+        content = summary(self, parameters or {}, drawn, title=title)
+        return write_atomically(Path(path), content.encode())
 
     @property
     def title(self) -> str:

@@ -52,6 +52,7 @@ def reconstruct(
     strict: bool = False,
     missing: Any = None,
     decimal: str | None = None,
+    units: str | Sequence[str] | None = None,
     method: str = "best",
     grid: Sequence[int] | None = None,
     at: Any = None,
@@ -84,6 +85,9 @@ def reconstruct(
         Numbers that mark missing values, such as -9999: rows with one of them are left out.
     decimal : str, optional
         The decimal sign of a text, "." or ","; by default that of its numbers.
+    units : str or sequence of str, optional
+        The unit of the value, or of each of several values; by default that of the data, or the one
+        in brackets in the name of its column.
     method : str
         A name in `fieldrecon.selection.MODELS`, or "best": the method with the smallest error
         at samples that are left out.
@@ -148,6 +152,7 @@ def reconstruct(
             crs=crs,
             progress=stages("reading"),
         )
+        samples = samples if units is None else _with_units(samples, units)
         refuse_flat(samples)
     targets = _targets(samples, grid, at, mesh, strict, decimal)
     sites, queries = on_globe(samples, samples.points), on_globe(samples, targets.points)
@@ -170,6 +175,15 @@ def reconstruct(
     return SurveyResult(
         source.name, samples, scores, validations, chosen, field, result, seconds, memory
     )
+
+
+def _with_units(samples: Samples, units: str | Sequence[str]) -> Samples:
+    """The samples with the units of their values."""
+    given = (units,) if isinstance(units, str) else tuple(units)
+    count, d = len(samples.value_names), samples.points.shape[1]
+    if len(given) != count:
+        raise ValueError(f"units must be {count}, one for each value; got {', '.join(given)}")
+    return replace(samples, units=(samples.units[:d] or ("",) * d) + given)
 
 
 def _targets(

@@ -1,5 +1,6 @@
 """The commands as functions: data in memory, results as tables, pictures, files and pages."""
 
+import re
 import subprocess
 import sys
 
@@ -244,7 +245,7 @@ def test_several_values_are_written_in_columns(tmp_path):
         assert stored.east.attrs["ancillary_variables"] == "error_of_east extrapolated"
     assert b"SCALARS error_of_north double" in (folder / "grid.vtk").read_bytes()
     page = (folder / "summary.html").read_text(encoding="utf-8")
-    assert page.count("<img") == 7
+    assert page.count("<img") == 10
     assert "The error of the field: north [km]" in page
     again = plane(load=tmp_path / "f.npz")
     pd.testing.assert_frame_equal(again.to_dataframe(), made)
@@ -337,7 +338,7 @@ def test_the_result_describes_itself(tmp_path):
     assert survey.method == "ls1, least squares, plane"
     assert "rms error" in repr(survey.scores[0])
     assert "<SurveyResult" not in (page := survey.report(tmp_path / "a.html").read_text())
-    assert page.count("<img") == 4
+    assert page.count("<img") == 6
     assert "depth [m], reconstructed" in page
     for suffix in ("csv", "npz", "nc", "vtk"):
         assert survey.write(tmp_path / f"a.{suffix}").stat().st_size > 100
@@ -357,6 +358,29 @@ def test_the_command_writes_what_the_function_returns(tmp_path):
     stored, made = pd.read_csv(tmp_path / "b.csv"), plane(FRAME).to_dataframe()
     pd.testing.assert_frame_equal(stored, made, check_dtype=False, check_exact=True)
     pd.testing.assert_frame_equal(plane(table).to_dataframe(), plane(str(table)).to_dataframe())
+
+
+@pytest.mark.slow
+def test_title_units_colors_and_links_are_chosen_by_options(tmp_path):
+    """The page links to every other file; units given by an option replace those of the name."""
+    FRAME.to_csv(tmp_path / "a.csv", index=False)
+    folder = tmp_path / "a folder"
+    look = ["--title", "Depths <1>", "--units", "fathoms", "--colors", "cividis"]
+    to = ["--out", str(folder), "--grid", "3x2", "--method", "ls1"]
+    assert main(["reconstruct", str(tmp_path / "a.csv"), *to, *look]) == 0
+    page = (folder / "summary.html").read_text(encoding="utf-8")
+    assert "<h1>Depths &lt;1&gt;</h1>" in page
+    linked = {*re.findall(r'<a href="([^"]+)" download', page)}
+    assert linked == {file.name for file in folder.iterdir()} - {"summary.html"}
+    survey = plane(FRAME, units="fathoms")
+    assert survey.to_xarray().depth.attrs["units"] == "fathoms"
+    picture = survey.plot(colors="cividis")
+    assert picture.axes[-1].get_ylabel() == "depth [fathoms]"
+    assert picture.axes[0].images[0].get_cmap().name == "cividis"
+    with pytest.raises(ValueError, match="there is no colour map 'rainbows'; there are viridis"):
+        survey.plot(colors="rainbows")
+    with pytest.raises(ValueError, match="units must be 1, one for each value; got m, km"):
+        plane(FRAME, units=["m", "km"])
 
 
 def test_a_saved_field_is_evaluated(tmp_path):
