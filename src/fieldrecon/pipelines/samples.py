@@ -170,6 +170,7 @@ def read_samples(
     sigma: str | None = None,
     missing: Any = None,
     decimal: str | None = None,
+    in_space: bool = False,
     *,
     progress: Progress | None = None,
 ) -> Samples:
@@ -196,6 +197,8 @@ def read_samples(
         Numbers that mark missing values: rows with one of them are left out.
     decimal : str, optional
         The decimal sign of a text, "." or ","; by default that of its numbers.
+    in_space : bool
+        Whether the points are in space although `z` is not given: its column has a usual name.
     crs : object, optional
         As for `fieldrecon.io.crs.grid_mapping`; by default that of the table, if it has one.
     progress : callable, optional
@@ -216,7 +219,8 @@ def read_samples(
     own = [value] if value is None or isinstance(value, str) else list(value)
     if not own:
         raise ValueError("value must name at least one column")
-    names: dict[str, str | None] = {"x": x, "y": y} | ({} if z is None else {"z": z})
+    names: dict[str, str | None] = {"x": x, "y": y}
+    names |= {"z": z} if in_space or z is not None else {}
     d, k = len(names), len(own)
     names |= {"value" if i == 0 else f"value {i + 1}": name for i, name in enumerate(own)}
     names |= {} if sigma is None else {"sigma": sigma}
