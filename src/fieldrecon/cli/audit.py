@@ -40,6 +40,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--open", action="store_true", help="do not count a boundary of the surface as an error"
     )
     parser.add_argument(
+        "--triangulate", action="store_true", help="divide quads and polygons into triangles"
+    )
+    parser.add_argument(
         "--repair",
         type=Path,
         metavar="FILE",
@@ -65,6 +68,7 @@ def audit(options: argparse.Namespace) -> int:
         result = audit_of(
             options.mesh,
             tolerance=options.tolerance,
+            triangulate=options.triangulate,
             repair=options.repair is not None,
             largest_hole=options.largest_hole,
             stages=stage,
@@ -79,6 +83,8 @@ def audit(options: argparse.Namespace) -> int:
         print_audit(options.mesh, result.audit)
         if result.repair:
             print_audit(options.repair, result.repair.after, result.repair.done)
+            for remark in result.remarks:
+                say(remark)
             written.append(options.repair)
         print_files(written)
     print_missing_pictures()

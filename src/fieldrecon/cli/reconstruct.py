@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.extras import PICTURES, absent
@@ -19,10 +21,13 @@ from fieldrecon.cli.console import (
 from fieldrecon.cli.progress import stages
 from fieldrecon.io.saved_fields import save
 from fieldrecon.io.values import FORMATS, as_formats
-from fieldrecon.pages.reconstruction_page import methods_csv, pictures, summary
-from fieldrecon.pipelines.surveys import SurveyResult
+from fieldrecon.pages.reconstruction_page import COLORS, methods_csv, pictures, summary
+from fieldrecon.pipelines.survey_results import SurveyResult
 from fieldrecon.pipelines.surveys import reconstruct as reconstruct_samples
 from fieldrecon.selection.models import MODELS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _OPTIONS = (
     "x",
@@ -31,6 +36,9 @@ _OPTIONS = (
     "z",
     "sigma",
     "strict",
+    "missing",
+    "decimal",
+    "units",
     "method",
     "grid",
     "at",
@@ -53,12 +61,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a table: text (.csv, .txt, .xyz …), .npz or .parquet",
     )
     add("--load", type=Path, metavar="FIELD.npz", help="evaluate a field that --save wrote")
-    for name in ("x", "y", "z", "value"):
+    for name in ("x", "y", "z"):
         add(
             f"--{name}",
             metavar="COLUMN",
             help=f"the column that holds {name}" + (", of points in space" if name == "z" else ""),
         )
+    add(
+        "--value",
+        action="append",
+        metavar="COLUMN",
+        help="the column that holds the value; repeated for several values, by one method",
+    )
     add(
         "--sigma",
         metavar="COLUMN",
@@ -67,6 +81,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--lonlat", action="store_true", help="x and y are degrees of longitude and latitude")
     add("--crs", metavar="NAME", help="of x and y, such as EPSG:32612: recorded in NetCDF files")
     add("--strict", action="store_true", help="stop at a bad row instead of skipping it")
+    add(
+        "--missing",
+        type=float,
+        action="append",
+        metavar="NUMBER",
+        help="a number that marks missing values, such as -9999; may be repeated",
+    )
+    add(
+        "--units",
+        action="append",
+        metavar="UNIT",
+        help="the unit of the value, or of each of several in turn; also: a column named depth [m]",
+    )
+    add(
+        "--decimal",
+        choices=(".", ","),
+        help="the decimal sign, where the numbers of a text do not show it",
+    )
     add(
         "--method",
         default="best",
@@ -87,6 +119,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add("--format", metavar="NAMES", help="formats in the folder, such as csv,npz (the default)")
     add("--save", type=Path, metavar="FIELD.npz", help="save the fitted field")
+    add("--title", metavar="TEXT", help="of the page")
+    add(
+        "--colors",
+        default=COLORS,
+        metavar="NAME",
+        help=f"a colour map of Matplotlib, such as cividis or RdBu_r ({COLORS})",
+    )
     parser.set_defaults(command=reconstruct)
 
 
@@ -104,6 +143,8 @@ def reconstruct(options: argparse.Namespace) -> None:
         raise ValueError("give either a table of samples or --load with a field")
     file, formats = _outputs(options)
     given = {name: getattr(options, name) for name in _OPTIONS}
+    if options.value and len(options.value) == 1:
+        (given["value"],) = options.value
     with stages() as stage:
         survey = reconstruct_samples(
             options.samples, **given, lonlat=options.lonlat or None, stages=stage
@@ -120,6 +161,8 @@ def _outputs(options: argparse.Namespace) -> tuple[Path | None, list[str]]:
     suffix = options.out.suffix
     file = options.out if re.fullmatch(r"\.[A-Za-z]\w*", suffix) else None
     formats = as_formats([suffix] if file else (options.format or "csv,npz").split(","))
+    if not file and options.out.exists() and not options.out.is_dir():
+        raise ValueError(f"--out {options.out} is a file; a name without a suffix is a folder's")
     if file and options.format and as_formats(options.format.split(",")) != formats:
         raise ValueError(f"--out {file} names another format than --format {options.format}")
     inputs = (options.samples, options.load, options.at, options.mesh)
@@ -134,9 +177,10 @@ def print_survey(survey: SurveyResult) -> None:
     """Print the errors of the methods, what was evaluated, and the warnings."""
     compared = [t for t in survey.ranked if t.residuals is not None]
     rows = [(t.model.name, t.model.meaning, t.n_held_out, t.rms, t.largest) for t in compared]
-    name, count = survey.samples.names[-1], len(survey.samples.points)
+    names, count = survey.samples.value_names, len(survey.samples.points)
+    unit = ", in standard deviations of each value" if survey.samples.values.ndim == 2 else ""
     if rows:
-        title = f"{name} at {count} points: error at samples that are held out"
+        title = f"{', '.join(names)} at {count} points: error at held-out samples{unit}"
         columns = ("method", "what it is", "held out", "rms error", "largest error")
         print_table(columns, rows, title=title)
     for t in survey.scores:
@@ -151,19 +195,33 @@ def print_survey(survey: SurveyResult) -> None:
 def _written(
     survey: SurveyResult, file: Path | None, formats: Sequence[str], options: argparse.Namespace
 ) -> Iterator[Path]:
-    """Write the values, the methods, the pictures and the page; yield the files."""
-    from fieldrecon.plotting.figure_files import write_figure
+    """Write the data, the pictures, and the page, which links to the others; yield the files."""
+    drawn = {} if absent(*PICTURES) else pictures(survey, options.colors)
+    written = [*_data_written(survey, file, formats, options)]
+    if not file:
+        written += _pictures_written(drawn, options.out)
+    page = file.with_suffix(".html") if file else options.out / "summary.html"
+    links = [os.path.relpath(path, page.parent) for path in written]
+    content = summary(survey, as_parameters(options), drawn, title=options.title, files=links)
+    yield from written
+    yield write_atomically(page, content.encode())
 
+
+def _data_written(
+    survey: SurveyResult, file: Path | None, formats: Sequence[str], options: argparse.Namespace
+) -> Iterator[Path]:
     stem = _STEMS[survey.result.targets.kind]
     for name in formats:
         yield survey.write(file or options.out / f"{stem}.{name}")
     if options.save:
         save(options.save, survey.field, survey.samples.names)
         yield options.save
-    drawn = {} if absent(*PICTURES) else pictures(survey)
-    page = file.with_suffix(".html") if file else options.out / "summary.html"
     if not file:
         yield write_atomically(options.out / "methods.csv", methods_csv(survey))
-        for name, picture in drawn.items():
-            yield from write_figure(picture, options.out / name, ("png", "svg"))
-    yield write_atomically(page, summary(survey, as_parameters(options), drawn).encode())
+
+
+def _pictures_written(drawn: Mapping[str, Figure], folder: Path) -> Iterator[Path]:
+    from fieldrecon.plotting.figure_files import write_figure
+
+    for name, picture in drawn.items():
+        yield from write_figure(picture, folder / name, ("png", "svg"))

@@ -63,6 +63,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "them, else around them and smoothed below this length (at most some thousands: the time "
         "grows with their number times the number of triangles of the mesh)",
     )
+    add(
+        "--level",
+        type=float,
+        metavar="NUMBER",
+        help="take the file for a table of x, y, z and a scalar, such as signed distances: the "
+        "surface is where the scalar has this value",
+    )
+    add("--value", metavar="COLUMN", help="with --level, the column that holds the scalar")
     add("--edge", type=float, metavar="LENGTH", help="of the triangles (the spacing of the points)")
     add(
         "--open",
@@ -85,6 +93,8 @@ def surface(options: argparse.Namespace) -> int:
     with stages() as stage:
         scan = surface_of(
             options.cloud,
+            level=options.level,
+            value=options.value,
             normals=options.normals,
             smoothing=options.smoothing,
             polygons=options.polygons,

@@ -68,8 +68,14 @@ def _names(result: TargetValues) -> list[str]:
     taken = [GRID_MAPPING]
     return [
         unused_name(re.sub(r"\W+", "_", name, flags=re.ASCII).strip("_") or "v", taken)
-        for name in (*bare, *[*result.columns][1:])
+        for name in (*bare[: result.d], *_columns(result, bare[result.d :]))
     ]
+
+
+def _columns(result: TargetValues, bare: list[str]) -> list[str]:
+    """Names of the columns, those of the values without their units."""
+    values = dict(zip(result.value_names, bare, strict=True))
+    return [values.get(name, name) for name in result.columns]
 
 
 def _coordinates(
@@ -98,20 +104,25 @@ def _data(
 ) -> Iterator[CfVariable]:
     targets = result.targets
     dimensions = tuple(c.name for c in reversed(coordinates)) if targets.axes else ("point",)
-    value, unit = result.names_and_units[-1]
-    of_unit = {"units": unit} if unit else {}
     where = {} if mapping is None else {"grid_mapping": GRID_MAPPING}
-    attributes: tuple[dict[str, Any], ...] = (
-        {"long_name": value, "ancillary_variables": " ".join(names[1:])} | of_unit,
-        {"long_name": f"half-width of the 95 % prediction band of {value}"} | of_unit,
-        {
-            "long_name": f"extrapolation of {value}",
-            "flag_values": np.arange(len(MEANINGS), dtype=np.int8),
-            "flag_meanings": " ".join(meaning.replace(" ", "_") for meaning in MEANINGS),
-        },
-    )
+    attributes = [*_attributes(result, names)]
     for name, column, own in zip(names, result.columns.values(), attributes, strict=True):
         yield CfVariable(name, dimensions, column.reshape(targets.shape), own | where)
+
+
+def _attributes(result: TargetValues, names: list[str]) -> Iterator[dict[str, Any]]:
+    """Attributes of each value and its error, and of the flag."""
+    values = result.names_and_units[result.d :]
+    for k, (value, unit) in enumerate(values):
+        of_unit = {"units": unit} if unit else {}
+        ancillary = f"{names[2 * k + 1]} {names[-1]}"
+        yield {"long_name": value, "ancillary_variables": ancillary} | of_unit
+        yield {"long_name": f"half-width of the 95 % prediction band of {value}"} | of_unit
+    yield {
+        "long_name": f"extrapolation of {', '.join(value for value, _ in values)}",
+        "flag_values": np.arange(len(MEANINGS), dtype=np.int8),
+        "flag_meanings": " ".join(meaning.replace(" ", "_") for meaning in MEANINGS),
+    }
 
 
 def _mapping(mapping: Mapping[str, Any] | None) -> Iterator[CfVariable]:

@@ -114,7 +114,7 @@ def _cloud_of_mesh(path: Path) -> Cloud:
     content = read_content(path).with_merged_vertices()
     if content.points.shape[1] != 3:
         raise ValueError(f"{path} holds points of the plane; points in space were expected")
-    return Cloud(content.points.astype(float), _point_normals(content), content.fan_triangles())
+    return Cloud(content.points.astype(float), _point_normals(content), content.face_triangles())
 
 
 def _point_normals(content: MeshContent) -> np.ndarray | None:

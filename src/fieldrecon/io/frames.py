@@ -16,7 +16,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fieldrecon._core.chunks import Progress
-from fieldrecon.io.tables import AXES, BadRow, ColumnSpec, Table, parse_number, read_table
+from fieldrecon.io.number_formats import parse_number
+from fieldrecon.io.tables import AXES, BadRow, ColumnSpec, Table, read_table
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,8 +95,8 @@ def is_labelled(data: Any) -> bool:
     return _is_array_of_xarray(data) or _is_set_of_xarray(data)
 
 
-Names: TypeAlias = dict[str, str | None]
-"""The names of x, y, z, the value and its sigma in a table, where they are given."""
+Names: TypeAlias = dict[str, Any]
+"""Names of x, y, z, the value (or the values) and its sigma in a table, where they are given."""
 
 
 def as_table(
@@ -111,7 +112,7 @@ def as_table(
         If the data are of no known kind.
     """
     given = {"x": x, "y": y, "z": z, "value": value, "sigma": sigma}
-    arrays = {role: a for role, a in given.items() if a is not None and not isinstance(a, str)}
+    arrays = {role: a for role, a in given.items() if a is not None and not _is_name(a, role)}
     if data is None:
         return _table_of_arrays(arrays)
     if _is_array(data) and not is_table(data):
@@ -123,14 +124,22 @@ def as_table(
     return source, given
 
 
+def _is_name(given: Any, role: str) -> bool:
+    """Whether it is the name of a column, or of the values the names of several."""
+    if role == "value" and isinstance(given, list | tuple) and given:
+        return all(isinstance(name, str) for name in given)
+    return isinstance(given, str)
+
+
 def _table_of_arrays(arrays: Mapping[str, Any]) -> tuple[Frame, Names]:
     if not {"x", "y", "value"} <= {*arrays}:
         raise ValueError("give samples: data, or arrays x, y and value, or load with a field")
     own = {role: _own_name(array, role) for role, array in arrays.items()}
     names = own if len({*own.values()}) == len(own) else {role: role for role in arrays}
-    columns = dict(zip(names.values(), arrays.values(), strict=True))
-    frame = frame_of_mapping(columns, "the arrays")
-    return frame, {role: names.get(role) for role in ("x", "y", "z", "value", "sigma")}
+    values, value = _columns_of_values(arrays["value"], names["value"])
+    others = {names[role]: array for role, array in arrays.items() if role != "value"}
+    frame = frame_of_mapping(others | values, "the arrays")
+    return frame, {role: names.get(role) for role in ("x", "y", "z", "sigma")} | {"value": value}
 
 
 def _table_of_points(points: Any, arrays: Mapping[str, Any]) -> tuple[Frame, Names]:
@@ -138,11 +147,22 @@ def _table_of_points(points: Any, arrays: Mapping[str, Any]) -> tuple[Frame, Nam
         raise ValueError("with data as an array of points (n, d), give the array value (n,)")
     name = _own_name(arrays["value"], "value")
     name = "value" if name in (*AXES, "sigma") else name
-    columns = {name if role == "value" else role: array for role, array in arrays.items()}
-    frame = frame_of_points(points, **columns)
+    values, value = _columns_of_values(arrays["value"], name)
+    frame = frame_of_points(
+        points, **values, **{role: arrays[role] for role in arrays if role == "sigma"}
+    )
     in_space = "z" if "z" in frame.names else None
     sigma = "sigma" if "sigma" in arrays else None
-    return frame, {"x": "x", "y": "y", "z": in_space, "value": name, "sigma": sigma}
+    return frame, {"x": "x", "y": "y", "z": in_space, "value": value, "sigma": sigma}
+
+
+def _columns_of_values(array: Any, name: str) -> tuple[dict[str, Any], str | list[str]]:
+    """An array (n,) under the name, or the columns of an array (n, k) under numbered ones."""
+    if np.ndim(array) != 2:
+        return {name: array}, name
+    columns = array if np.ma.isMaskedArray(array) else np.asarray(array)
+    named = {f"{name}_{k}": column for k, column in enumerate(columns.T, 1)}
+    return named, [*named]
 
 
 def _own_name(array: Any, role: str) -> str:
@@ -166,7 +186,7 @@ def read_source(source: Source, spec: ColumnSpec, progress: Progress | None = No
     numbers = np.column_stack([_numbers(column) for column in columns])
     good = spec.valid_rows(numbers)
     bad = [
-        BadRow(int(row), spec.error(names, [column[row] for column in columns]))
+        BadRow(int(row), spec.error(names, [column[row] for column in columns]), int(row))
         for row in np.flatnonzero(~good)
     ]
     return Table(names, numbers[good], bad)
@@ -254,7 +274,8 @@ def _frame_of_data_set(data: Any) -> Frame:
 
 
 def _columns_of_data_set(data: Any, names: Sequence[str]) -> list[np.ndarray]:
-    along = {dimension for name in names[:-1] for dimension in data[name].dims}
+    coordinates = [name for name in names if name in data.coords] or names[:-1]
+    along = {dimension for name in coordinates for dimension in data[name].dims}
     beside = [dimension for dimension in data[names[-1]].dims if dimension not in along]
     if beside and names[-1] not in data.dims:
         raise ValueError(

@@ -22,7 +22,7 @@ def to_dataframe(result: TargetValues, coordinates: bool = True) -> Any:
     -------
     pandas.DataFrame
         With the names of the samples, and the index of the data frame of the targets if they came
-        from one.
+        from one. Rows of the targets that are not points are NaN.
 
     Raises
     ------
@@ -30,9 +30,8 @@ def to_dataframe(result: TargetValues, coordinates: bool = True) -> Any:
         If pandas is not installed: with the extra that provides it.
     """
     pandas = optional("pandas")
-    columns = dict(result.columns)
-    if coordinates:
-        columns = dict(zip(result.names[:-1], result.targets.points.T, strict=True)) | columns
+    first = 0 if coordinates else result.d
+    columns = dict([*result.rows.items()][first:])
     return pandas.DataFrame(columns, index=result.targets.index)
 
 

@@ -7,10 +7,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.triangles.duplicates import merged_vertices
+from fieldrecon.triangles.holes import minimum_area_patches
 
 _KINDS = {0: "empty", 1: "vertex", 2: "line", 3: "triangle", 4: "quad"}
 _FACES = ("triangle", "quad", "polygon")
+_TRIANGLE = 3
+_TIE = 1e-6  # relative difference of areas that are taken as equal
 CellBlock = tuple[str, np.ndarray]
 
 
@@ -51,10 +55,19 @@ class MeshContent:
         blocks = zip(self.cells, self.cell_data[name], strict=True)
         return np.concatenate([values for (k, _), values in blocks if k == kind])
 
-    def fan_triangles(self) -> np.ndarray:
-        """Triangles (m, 3) of all faces: those of a polygon share its first corner."""
-        fans = [_fan(cells) for kind, cells in self.cells if kind in _FACES and len(cells)]
-        return np.concatenate([np.empty((0, 3), dtype=np.intp), *fans])
+    @property
+    def polygonal(self) -> bool:
+        """Whether all cells are triangles, quads and polygons, and there are some."""
+        return bool(self.kinds) and {*self.kinds} <= {*_FACES}
+
+    def face_triangles(self) -> np.ndarray:
+        """Triangles (m, 3) of all faces, in the order of the file."""
+        parts = [
+            divided(self.points, cells)
+            for kind, cells in self.cells
+            if kind in _FACES and len(cells)
+        ]
+        return np.concatenate([np.empty((0, 3), dtype=np.intp), *parts])
 
     def with_merged_vertices(self) -> MeshContent:
         """The same content with equal vertices merged, if each triangle has its own."""
@@ -82,7 +95,26 @@ def _block(faces: np.ndarray) -> CellBlock:
     return _KINDS.get(faces.shape[1], "polygon"), faces.astype(np.intp)
 
 
-def _fan(polygons: np.ndarray) -> np.ndarray:
-    """Triangles (m, 3) of convex polygons (k, corners), polygon by polygon."""
-    fans = [polygons[:, [0, k, k + 1]] for k in range(1, polygons.shape[1] - 1)]
-    return np.stack(fans, axis=1).reshape(-1, 3).astype(np.intp)
+def divided(points: np.ndarray, polygons: np.ndarray) -> np.ndarray:
+    """Triangles (m, 3) of polygons (k, corners), polygon by polygon.
+
+    Those of a polygon share its first corner, unless it is not convex: then other triangles have a
+    smaller area, and those of the least area are taken.
+
+    Examples
+    --------
+    >>> arrow = np.array([[0.0, 0, 0], [2, -1, 0], [1, 0, 0], [2, 1, 0]])
+    >>> divided(arrow, np.array([[1, 2, 3, 0]])).tolist()
+    [[1, 2, 0], [2, 3, 0]]
+    """
+    corners = polygons.shape[1]
+    fan = np.array([[0, k, k + 1] for k in range(1, corners - 1)], dtype=np.intp).reshape(-1, 3)
+    chosen = np.tile(fan, (len(polygons), 1, 1))
+    if corners > _TRIANGLE and points.shape[1] == 3:
+        at = points[polygons].astype(float)
+        size = np.linalg.norm(triangle_normals(*at[:, fan].transpose(2, 0, 1, 3)), axis=-1)
+        least, area = minimum_area_patches(at - at[:, :1])
+        smaller = 2 * area < (1 - _TIE) * size.sum(axis=1)
+        chosen[smaller] = least[smaller]
+    rows = np.arange(len(polygons))[:, None, None]
+    return polygons[rows, chosen].reshape(-1, 3).astype(np.intp)

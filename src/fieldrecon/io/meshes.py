@@ -7,6 +7,7 @@ and OFF, and writes all formats but binary STL.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
@@ -172,7 +173,7 @@ def read_surface(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     return _surface(path, read_content(path).with_merged_vertices())
 
 
-def read_triangles(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
+def read_triangles(path: str | Path, *, triangulate: bool = False) -> tuple[np.ndarray, np.ndarray]:
     """Read the triangles of a surface in space with all their errors: no vertices are merged.
 
     Parameters
@@ -180,6 +181,9 @@ def read_triangles(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     path : str or pathlib.Path
         Each triangle of an .stl file has vertices of its own; the normals in the file are ignored.
         The other formats are the same as in `read_surface`.
+    triangulate : bool
+        Divide quads and polygons into triangles, instead of refusing them: by the diagonals from
+        their first corner, or if they are not convex by those of the least area.
 
     Returns
     -------
@@ -197,6 +201,8 @@ def read_triangles(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     content = read_content(path)
     if content.separate_corners:
         return content.points, content.cells_of("triangle")
+    if triangulate and content.polygonal:
+        content = replace(content, cells=[("triangle", content.face_triangles())], cell_data={})
     return _surface(path, content)
 
 
@@ -217,7 +223,8 @@ def _cells(path: str | Path, content: MeshContent, kind: str) -> np.ndarray:
     if others or kind not in kinds:
         found = ", ".join(_PLURAL.get(k, f"{k} cells") for k in others or kinds) or "points only"
         wanted = "triangles or tetrahedra" if kind == "triangle" else "tetrahedra"
-        raise ValueError(f"{path} holds {found}; {wanted} were expected")
+        remedy = "; the option triangulate divides them" if content.polygonal else ""
+        raise ValueError(f"{path} holds {found}; {wanted} were expected{remedy}")
     return content.cells_of(kind)
 
 

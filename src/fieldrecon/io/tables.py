@@ -1,7 +1,9 @@
 """Tables of numbers with millions of rows: text, NPZ and Parquet, read by named columns.
 
 A row with a missing, non-numeric or non-finite cell is skipped and reported with its line and the
-reason. A text is read in blocks of lines; a block whose lines are regular is parsed at once.
+reason. A text is read in blocks of lines; a block whose lines are regular is parsed at once. The
+readers of pandas, polars and pyarrow do not report the lines of bad rows, and take one decimal sign
+and one encoding that have to be named.
 """
 
 from __future__ import annotations
@@ -9,30 +11,43 @@ from __future__ import annotations
 import csv
 import io
 import math
-import os
 import re
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TextIO, TypeAlias
 
 import numpy as np
 
 from fieldrecon._core.chunks import Progress
 from fieldrecon._core.extras import optional
+from fieldrecon.io.number_formats import NumberFormat, is_number, parse_number
+from fieldrecon.io.text_files import bytes_read, legible, open_text
 
 AXES = ("x", "y", "z")
 PARQUET_ROWS = 2**18
-BLOCK_BYTES = 2**23
+BLOCK_SIZE = 2**23
+"""Characters of a text that are parsed at once."""
 LONGEST_HEADER = 2**20
 
 
 class BadRow(NamedTuple):
-    """A skipped row: its line, or its number where a file has no lines, and the reason."""
+    """A skipped row.
+
+    Parameters
+    ----------
+    line : int
+        Its line, or its number where a file has no lines.
+    reason : str
+        Why it was skipped.
+    row : int
+        Its position among all rows, from 0.
+    """
 
     line: int
     reason: str
+    row: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +70,7 @@ class Table:
 
 @dataclass(frozen=True)
 class ColumnSpec:
-    """Which columns of a table to read, and the largest size of their numbers.
+    """Which columns of a table to read, and what numbers they hold.
 
     Parameters
     ----------
@@ -63,16 +78,33 @@ class ColumnSpec:
         Takes the names of all columns and returns the indices of those to read.
     limits : sequence of float, optional
         The largest absolute value in each of these columns; any finite number if not given.
+    decimal : str, optional
+        The decimal sign of a text, "." or ","; by default that of its numbers.
+    missing : sequence of float
+        Numbers that mark missing values; a row with one of them has no errors.
     """
 
     choose: Callable[[list[str]], Sequence[int]]
     limits: Sequence[float] | None = None
+    decimal: str | None = None
+    missing: Sequence[float] = ()
 
-    def error(self, names: Sequence[str], cells: Sequence[object]) -> str:
+    def __post_init__(self) -> None:
+        if self.decimal not in (None, ".", ","):
+            raise ValueError(f"decimal must be '.' or ','; got {self.decimal!r}")
+
+    def error(
+        self,
+        names: Sequence[str],
+        cells: Sequence[object],
+        parse: Callable[[object], float] = parse_number,
+    ) -> str:
         """Return what is wrong with the cells of a row, or an empty string."""
         limits = self.limits or (math.inf,) * len(names)
-        for name, cell, limit in zip(names, cells, limits, strict=True):
-            number = parse_number(cell)
+        numbers = [parse(cell) for cell in cells]
+        if not {*self.missing}.isdisjoint(numbers):
+            return ""
+        for name, cell, number, limit in zip(names, cells, numbers, limits, strict=True):
             if not math.isfinite(number):
                 got = repr(cell.strip()) if isinstance(cell, str) else f"{cell}"
                 return f"{name} must be a finite number; got {got}"
@@ -82,23 +114,21 @@ class ColumnSpec:
 
     def valid_rows(self, numbers: np.ndarray) -> np.ndarray:
         """Return a mask (n,) of the rows (n, k) without errors."""
-        finite = np.isfinite(numbers)
+        finite: np.ndarray = np.isfinite(numbers)
         if self.limits is not None:
             with np.errstate(invalid="ignore"):
                 finite &= np.abs(numbers) <= np.asarray(self.limits)
-        return finite.all(axis=1)
+        valid: np.ndarray = np.all(finite, axis=1) | self.missing_rows(numbers)
+        return valid
+
+    def missing_rows(self, numbers: np.ndarray) -> np.ndarray:
+        """Return a mask (n,) of the rows (n, k) with a number that marks a missing value."""
+        marked: np.ndarray = np.isin(numbers, list(self.missing))
+        return np.any(marked, axis=1)
 
 
 Block: TypeAlias = tuple[list[str], np.ndarray, list[BadRow]]
 """The names of the columns, the numbers of valid rows, and the skipped rows."""
-
-
-def parse_number(cell: object) -> float:
-    """Convert a cell to a number, or to NaN; Python's 1_000 is not accepted."""
-    try:
-        return math.nan if isinstance(cell, str) and "_" in cell else float(cell)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        return math.nan
 
 
 def read_table(path: Path, spec: ColumnSpec, progress: Progress | None = None) -> Table:
@@ -109,6 +139,7 @@ def read_table(path: Path, spec: ColumnSpec, progress: Progress | None = None) -
     The cells of a text are separated by commas, semicolons, tabs or white space, whichever occurs
     most often in the first line. Blank lines and lines that begin with ``#`` are ignored. A text
     without a header (its first line is all numbers) has the columns x, y, z, column 4 and so on.
+    See `fieldrecon.io.text_files` for encodings, and `fieldrecon.io.number_formats` for numbers.
 
     Raises
     ------
@@ -203,6 +234,7 @@ def _validated(
         BadRow(
             first + int(i),
             "the row is masked" if hidden[i] else spec.error(names, numbers[i].tolist()),
+            first - 1 + int(i),
         )
         for i in np.flatnonzero(~good)
     ]
@@ -213,55 +245,99 @@ def _validated(
 
 
 def _read_text(path: Path, spec: ColumnSpec, progress: Progress | None) -> Iterator[Block]:
-    with path.open("rb") as file:
-        size = os.fstat(file.fileno()).st_size
-        line, header, start = _first_line(path, file)
-        most_frequent = max(",;\t", key=header.count)
-        separator = most_frequent if most_frequent in header else None
-        columns = [cell.strip() for cell in _split(header, separator)]
-        if all(math.isfinite(parse_number(cell)) for cell in columns):
-            columns = _default_names(len(columns))
-            file.seek(start)
+    with open_text(path) as file:
+        line, first = _first_line(path, file)
+        separator, columns = _columns(first)
+        begun = "" if columns else first
+        if not columns:
+            columns = _default_names(len(_split(first, separator)))
         else:
             line += 1
-        parser = _TextParser(columns, separator, list(spec.choose(columns)), spec)
-        while block := file.read(BLOCK_BYTES) + file.readline():
-            yield parser.parse_block(line, _decode(path, block))
-            line += block.count(b"\n")
+        parser = None
+        row = 0
+        while block := legible(begun + file.read(BLOCK_SIZE) + file.readline()):
+            begun = ""
+            rows = [(i, text) for i, text in enumerate(block.split("\n"), line) if _is_row(text)]
+            if parser is None:
+                parser = _TextParser.of(path, columns, separator, spec, [text for _, text in rows])
+            yield parser.parse_block(rows, row)
+            line += block.count("\n")
+            row += len(rows)
             if progress:
-                progress(file.tell(), size)
+                progress(*bytes_read(file))
+
+
+def _columns(line: str) -> tuple[str | None, list[str]]:
+    """The separator of the first line, and the names in it; none if it is all numbers."""
+    for separator in (";", "\t", None, ","):
+        cells = _split(line, separator)
+        if len(cells) > 1 and all(map(is_number, cells)):
+            return separator, []
+    most_frequent = max(",;\t", key=line.count)
+    separator = most_frequent if most_frequent in line else None
+    return separator, [cell.strip() for cell in _split(line, separator)]
 
 
 @dataclass(frozen=True)
 class _TextParser:
-    """Parses blocks of lines whose columns and separator are known."""
+    """Parses blocks of lines whose columns, separator and numbers are known."""
 
     columns: list[str]
     separator: str | None
     chosen: list[int]
     spec: ColumnSpec
+    numbers: NumberFormat
+
+    @classmethod
+    def of(
+        cls,
+        path: Path,
+        columns: list[str],
+        separator: str | None,
+        spec: ColumnSpec,
+        lines: Sequence[str],
+    ) -> _TextParser:
+        """A parser of numbers such as those in these lines."""
+        parser = cls(columns, separator, list(spec.choose(columns)), spec, NumberFormat())
+        try:
+            return replace(parser, numbers=parser._number_format(lines))
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+
+    def _number_format(self, lines: Sequence[str]) -> NumberFormat:
+        if self.spec.decimal is not None:
+            return NumberFormat(self.spec.decimal)
+        if self.separator == ",":
+            lines = [line for line in lines if '"' in line]
+        lines = [line for line in lines if "," in line]
+        rows = (_split(line, self.separator) for line in lines)
+        whole = (cells for cells in rows if len(cells) == len(self.columns))
+        return NumberFormat.of(cells[k] for cells in whole for k in self.chosen)
 
     @property
     def names(self) -> list[str]:
         return [self.columns[k] for k in self.chosen]
 
-    def parse_block(self, first: int, text: str) -> Block:
-        """Parse a block of lines, which are numbered from `first`."""
-        rows = [(i, line) for i, line in enumerate(text.split("\n"), first) if _is_row(line)]
+    def parse_block(self, rows: Sequence[tuple[int, str]], first: int) -> Block:
+        """Parse rows, each with the number of its line; their positions are from `first` on."""
+        placed = [(first + k, number, line) for k, (number, line) in enumerate(rows)]
         numbers = self._parse_at_once([line for _, line in rows])
         if numbers is None:
-            return self._parse_line_by_line(rows)
+            return self._parse_line_by_line(placed)
         good = self.spec.valid_rows(numbers)
-        invalid = [rows[i] for i in np.flatnonzero(~good)]
+        invalid = [placed[i] for i in np.flatnonzero(~good)]
         return self.names, numbers[good], self._parse_line_by_line(invalid)[2]
 
     def _parse_at_once(self, lines: list[str]) -> np.ndarray | None:
         """Parse all lines at once, or return None if one of them is irregular."""
         if not all(self._is_regular(line) for line in lines) or not lines:
             return None
+        plain = self.numbers.plain(lines)
+        if plain is None:
+            return None
         try:
             return np.loadtxt(
-                lines, delimiter=self.separator, usecols=self.chosen, comments=None, ndmin=2
+                plain, delimiter=self.separator, usecols=self.chosen, comments=None, ndmin=2
             )
         except ValueError:
             return None
@@ -271,41 +347,31 @@ class _TextParser:
             return len(line.split()) == len(self.columns)
         return line.count(self.separator) == len(self.columns) - 1 and '"' not in line
 
-    def _parse_line_by_line(self, rows: list[tuple[int, str]]) -> Block:
+    def _parse_line_by_line(self, rows: Sequence[tuple[int, int, str]]) -> Block:
         numbers, bad = [], []
-        for number, line in rows:
+        parse = self.numbers.parse
+        for row, number, line in rows:
             cells = _split(line, self.separator)
             chosen = [cells[k] for k in self.chosen] if len(cells) == len(self.columns) else None
             if chosen is None:
                 expected = len(self.columns)
                 error = f"the header has {expected} cells and this row {len(cells)}"
             else:
-                error = self.spec.error(self.names, chosen)
+                error = self.spec.error(self.names, chosen, parse)
             if error:
-                bad.append(BadRow(number, error))
+                bad.append(BadRow(number, error, row))
             else:
-                numbers.append([float(cell) for cell in chosen or ()])
+                numbers.append([parse(cell) for cell in chosen or ()])
         return self.names, np.array(numbers).reshape(-1, len(self.chosen)), bad
 
 
-def _first_line(path: Path, file: BinaryIO) -> tuple[int, str, int]:
-    """Return the number, text and offset of the first line that is neither blank nor a comment."""
-    start = 0
-    for number, line in enumerate(iter(lambda: file.readline(LONGEST_HEADER), b""), 1):
-        if b"\0" in line:
-            raise ValueError(f"{path} is not a text: it holds bytes of zero")
-        text = _decode(path, line.removeprefix(b"\xef\xbb\xbf") if number == 1 else line)
+def _first_line(path: Path, file: TextIO) -> tuple[int, str]:
+    """Return the number and text of the first line that is neither blank nor a comment."""
+    for number, line in enumerate(iter(lambda: file.readline(LONGEST_HEADER), ""), 1):
+        text = legible(line)
         if _is_row(text):
-            return number, text, start
-        start = file.tell()
+            return number, text
     raise ValueError(f"{path} is empty; a header such as x,y,value and rows were expected")
-
-
-def _decode(path: Path, block: bytes) -> str:
-    try:
-        return block.replace(b"\r\n", b"\n").decode()
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path} is not a text in UTF-8: {error.reason}") from None
 
 
 def _is_row(line: str) -> bool:
@@ -366,6 +432,13 @@ def chosen_columns(table: object, columns: list[str], names: Mapping[str, str | 
     if found["value"] is None and len(unused) == 1:
         found["value"] = unused.pop()
     for role, column in found.items():
+        usual_names = _USUAL_NAMES.get(role, ())
+        other = next((o for o, c in found.items() if _is_usual(columns, c, usual_names)), None)
+        if column is None and role in AXES and other is not None:
+            raise ValueError(
+                f"the column {names[other]} of {table} was named as {other}, and no other column "
+                f"is {role}; the columns are {', '.join(columns)}"
+            )
         if column is None:
             raise ValueError(
                 f"it is not clear which column of {table} is {role}; "
@@ -384,6 +457,10 @@ def _usual_column(
     taken = set(taken)
     bare = {bare_name(name): k for k, name in reversed([*enumerate(columns)]) if k not in taken}
     return next((bare[name] for name in usual if name in bare), None)
+
+
+def _is_usual(columns: list[str], column: int | None, usual: Sequence[str]) -> bool:
+    return column is not None and bare_name(columns[column]) in usual
 
 
 def bare_name(name: str) -> str:

@@ -6,7 +6,7 @@ Also the values of a field at them, which the writers of `fieldrecon.io.values` 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ class Targets:
     Parameters
     ----------
     points : ndarray of shape (m, d)
+        Those of the valid rows, if they come from a table.
     axes : tuple of ndarray
         Coordinates along x, y and z, if the points are the nodes of a grid; x varies fastest.
     cells : ndarray of shape (c, corners), optional
@@ -58,6 +59,22 @@ class Targets:
         """Their name: "nodes", "points" or "vertices"."""
         return "nodes" if self.axes else "points" if self.cells is None else "vertices"
 
+    def in_rows(self, column: np.ndarray) -> np.ndarray:
+        """A column (m,) in the rows of the table, masked in those that were skipped.
+
+        Examples
+        --------
+        >>> targets = Targets(np.array([[0.0, 0.0], [1.0, 2.0]]), bad=(BadRow(3, "no point", 1),))
+        >>> targets.in_rows(np.array([5.0, 7.0])).tolist()
+        [5.0, None, 7.0]
+        """
+        if not self.bad:
+            return column
+        rows = len(column) + len(self.bad)
+        result = np.ma.masked_all(rows, column.dtype)
+        result[np.delete(np.arange(rows), [row.row for row in self.bad])] = column
+        return result
+
 
 @dataclass(frozen=True, eq=False)
 class TargetValues:
@@ -66,15 +83,16 @@ class TargetValues:
     Parameters
     ----------
     names : sequence of str
-        Names of the coordinates and of the value.
+        Names of the coordinates and of the values.
     targets : Targets
-    values, error : ndarray of shape (m,)
+    values, error : ndarray of shape (m,) or (m, k)
+        As of the samples: of one value, or of k values.
     extrapolated : ndarray of shape (m,), of small integers
         As `fieldrecon.selection.extrapolated` returns them.
     lonlat : bool
         Whether the coordinates are degrees of longitude and latitude.
     units : sequence of str
-        Units of the coordinates and of the value, empty where unknown.
+        Units of the coordinates and of the values, empty where unknown.
     crs : mapping, optional
         Attributes of the grid mapping, as `fieldrecon.io.crs.grid_mapping` returns them.
     """
@@ -90,25 +108,56 @@ class TargetValues:
 
     @property
     def names_and_units(self) -> list[tuple[str, str]]:
-        """For each coordinate and the value, the name without its unit, and the unit."""
+        """For each coordinate and value, the name without its unit, and the unit."""
         units = self.units or ("",) * len(self.names)
         found = [name_and_unit(name) for name in self.names]
-        return [
-            (bare, known) if not own else (name, own)
-            for name, own, (bare, known) in zip(self.names, units, found, strict=True)
-        ]
+        return [(bare, own or known) for own, (bare, known) in zip(units, found, strict=True)]
 
     @property
     def labels(self) -> list[str]:
-        """Names of the coordinates and of the value, with units in brackets where known."""
+        """Names of the coordinates and of the values, with units in brackets where known."""
         return [f"{name} [{unit}]" if unit else name for name, unit in self.names_and_units]
 
     @property
     def columns(self) -> Mapping[str, np.ndarray]:
-        """The value, its error and the flag of extrapolation, under distinct names."""
+        """Each value and its error, and the flag of extrapolation, under distinct names."""
         taken = list(self.names)
-        error, flag = (unused_name(name, taken) for name in ("error", "extrapolated"))
-        return {self.names[-1]: self.values, error: self.error, flag: self.extrapolated}
+        columns: dict[str, np.ndarray] = {}
+        for k, name in enumerate(self.value_names):
+            one = self.single(k)
+            of_name = "error" if self.values.ndim == 1 else f"error of {name_and_unit(name)[0]}"
+            columns |= {name: one.values, unused_name(of_name, taken): one.error}
+        return columns | {unused_name("extrapolated", taken): self.extrapolated}
+
+    @property
+    def rows(self) -> Mapping[str, np.ndarray]:
+        """Coordinates and columns in the rows of the table, masked in those that were skipped."""
+        coordinates = zip(self.names[: self.d], self.targets.points.T, strict=True)
+        columns = {**dict(coordinates), **self.columns}
+        return {name: self.targets.in_rows(column) for name, column in columns.items()}
+
+    @property
+    def d(self) -> int:
+        """Number of coordinates."""
+        return self.targets.points.shape[1]
+
+    @property
+    def value_names(self) -> Sequence[str]:
+        """Names of the values."""
+        return self.names[self.d :]
+
+    def single(self, k: int) -> TargetValues:
+        """The value of index k alone, of shape (m,)."""
+        if self.values.ndim == 1:
+            return self
+        columns = [*range(self.d), self.d + k]
+        return replace(
+            self,
+            names=[self.names[i] for i in columns],
+            units=[self.units[i] for i in columns] if self.units else (),
+            values=self.values[:, k],
+            error=self.error[:, k],
+        )
 
 
 def unused_name(name: str, taken: list[str]) -> str:
@@ -177,7 +226,11 @@ def _unwrapped(longitudes: np.ndarray) -> np.ndarray:
 
 
 def targets_of_table(
-    table: Source, names: Sequence[str], lonlat: bool = False, strict: bool = False
+    table: Source,
+    names: Sequence[str],
+    lonlat: bool = False,
+    strict: bool = False,
+    decimal: str | None = None,
 ) -> Targets:
     """Read targets from the columns of a table with these names; bad rows are skipped.
 
@@ -204,12 +257,11 @@ def targets_of_table(
             valid.as_numbers(table.axes[name], name, complex_allowed=False) for name in names
         )
         return Targets(grid_nodes(axes), axes)
-    found = read_source(table, ColumnSpec(choose, (np.inf, 90.0) if lonlat else None))
+    spec = ColumnSpec(choose, (np.inf, 90.0) if lonlat else None, decimal)
+    found = read_source(table, spec)
     if found.bad and (strict or not len(found.numbers)):
         raise ValueError(bad_row_message(table, found.bad[0]))
-    index = None
-    if isinstance(table, Frame) and table.index is not None:
-        index = table.index.delete([row.line for row in found.bad])
+    index = table.index if isinstance(table, Frame) else None
     return Targets(found.numbers, bad=tuple(found.bad), index=index, numbered=numbered(table))
 
 

@@ -1,7 +1,9 @@
 """Values of a field at targets, written as CSV, NPZ, VTK or NetCDF.
 
 Every format holds the same columns: the value under its name, ``error`` (of `ErrorBand`), and
-``extrapolated`` (0 within the validated distance, 1 beyond, 2 also outside the hull).
+``extrapolated`` (0 within the validated distance, 1 beyond, 2 also outside the hull). Of several
+values each has its column, and its error as ``error of`` its name without the unit. CSV and NPZ
+keep the rows of a table of targets: a bad one is empty in CSV and NaN in NPZ.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ import numpy as np
 
 from fieldrecon._core.atomic_files import whole_file
 from fieldrecon.io.netcdf import write_netcdf
-from fieldrecon.io.targets import TargetValues
+from fieldrecon.io.targets import Targets, TargetValues
 from fieldrecon.io.vtk import write_vtk
 
 _ROWS = 100_000  # rows of CSV that are converted to text at once
@@ -23,12 +25,13 @@ _ROWS = 100_000  # rows of CSV that are converted to text at once
 
 def write_csv(path: Path, result: TargetValues) -> None:
     """Write a row for each target; each number has the fewest digits that reproduce it."""
-    columns = [*result.targets.points.T, *result.columns.values()]
+    rows = result.rows
+    count = len(next(iter(rows.values())))
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow([*result.names[:-1], *result.columns])
-        for start in range(0, len(result.values), _ROWS):
-            block = (column[start : start + _ROWS].tolist() for column in columns)
+        writer.writerow(rows)
+        for start in range(0, count, _ROWS):
+            block = (column[start : start + _ROWS].tolist() for column in rows.values())
             writer.writerows(zip(*block, strict=True))
 
 
@@ -36,13 +39,26 @@ def write_npz(path: Path, result: TargetValues) -> None:
     """Write `values`, `error`, `extrapolated`, and `x`, `y` (and `z`) of a grid, or `points`."""
     targets = result.targets
     named = zip("xyz", targets.axes, strict=False)
-    where = dict(named) if targets.axes else {"points": targets.points}
+    where = dict(named) if targets.axes else {"points": _in_rows(targets, targets.points)}
     if targets.cells is not None:
         where["cells"] = targets.cells
     data = {"values": result.values, "error": result.error, "extrapolated": result.extrapolated}
-    shaped = {name: array.reshape(targets.shape) for name, array in data.items()}
+    placed = {name: _in_rows(targets, array) for name, array in data.items()}
+    shaped = {
+        name: array.reshape(targets.shape + array.shape[1:]) if targets.axes else array
+        for name, array in placed.items()
+    }
     with path.open("wb") as file:
         np.savez(file, **where, **shaped)  # type: ignore[arg-type]
+
+
+def _in_rows(targets: Targets, array: np.ndarray) -> np.ndarray:
+    """An array (m, ...) in the rows of the table, NaN in those that were skipped."""
+    if not targets.bad:
+        return array
+    columns = [targets.in_rows(column) for column in array.reshape(len(array), -1).T.astype(float)]
+    filled = np.stack([np.ma.filled(column, np.nan) for column in columns], axis=-1)
+    return filled.reshape(-1, *array.shape[1:])
 
 
 FORMATS: Mapping[str, Callable[[Path, TargetValues], None]] = MappingProxyType(

@@ -110,7 +110,9 @@ class HermiteRBF(Reconstruction):
         _refuse_dependent(self._local)
         p = self._local.of_monomials(self.degree)
         require_unisolvent(self.points, p, self.degree, "the data do")
-        refuse_beyond_memory(len(self.points))
+        refuse_beyond_memory(
+            len(self.points), remedy="MovingLeastSquares with neighbors is local, for values alone"
+        )
         self._unit_kernel = as_finite(kernel.in_units(self._frame.scale))
         a = np.empty((len(p), len(p)), order="F")
         every, entries = np.arange(len(p)), next(split_progress(progress, len(p), 2))

@@ -94,7 +94,11 @@ def refuse_duplicates(
         refuse_coincident(points, wanted + remedy, np.flatnonzero(interpolated))
 
 
-def refuse_beyond_memory(n: int, entries: float | None = None) -> None:
+def refuse_beyond_memory(
+    n: int,
+    entries: float | None = None,
+    remedy: str = "PartitionOfUnityRBF fits the points in patches, in memory proportional to n",
+) -> None:
     """Refuse a matrix of n^2 numbers, or a sparse factor of `entries`, that memory cannot hold."""
     needed = 8 * n * n if entries is None else 12 * entries
     available = memory_limit()
@@ -102,8 +106,7 @@ def refuse_beyond_memory(n: int, entries: float | None = None) -> None:
     if needed > 0.8 * available:
         raise MemoryError(
             f"a global fit of {n} points needs a {form} of {needed / 2**30:.0f} GiB, and this "
-            f"machine or container has {available / 2**30:.3g}; "
-            "MovingLeastSquares with neighbors is local"
+            f"machine or container has {available / 2**30:.3g}; {remedy}"
         )
 
 

@@ -68,3 +68,4 @@ def _sentences(result: AuditResult) -> Iterator[str]:
         yield f"Repaired: {done or 'nothing'}."
         left = ", ".join(_errors(result.final).values())
         yield f"Left: {left or 'nothing'}."
+        yield from result.remarks

@@ -11,6 +11,7 @@ from html import escape
 from importlib.metadata import version
 from string import Template
 from typing import Any
+from urllib.parse import quote
 
 
 class Html(str):
@@ -56,15 +57,17 @@ img { display: block; width: 100%; height: auto; background: #fff; border-radius
   padding: .4rem; }
 figcaption { font-size: .9rem; color: var(--quiet); margin-top: .4rem; }
 ul { padding-left: 1.2rem; } li { margin: .35rem 0; }
+a { color: inherit; text-underline-offset: .15em; }
 .scroll { overflow-x: auto; }
-table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabular-nums; }
+table { border-collapse: collapse; min-width: min(100%, 34rem); font-size: .92rem;
+  font-variant-numeric: tabular-nums; }
 caption { text-align: left; color: var(--quiet); padding-bottom: .4rem; }
 th, td { padding: .25rem .7rem .25rem 0; text-align: left; vertical-align: top; }
 thead tr { border-bottom: 1.5px solid currentColor; }
 tbody tr { border-bottom: 1px solid var(--line); }
 td.number, th.number { text-align: right; white-space: nowrap; }
 tr.chosen { font-weight: bold; background: var(--box); }
-td.number + td.number, th.number + th.number { padding-right: 0; }
+td.number, th.number { padding: .25rem 0 .25rem 1.4rem; }
 tr > :first-child { white-space: nowrap; }
 td.words { min-width: 10rem; overflow-wrap: break-word; }
 """
@@ -94,6 +97,7 @@ _FIGURE = (
     '<figure><img alt="$caption" src="data:image/png;base64,$image">'
     "<figcaption>$caption</figcaption></figure>"
 )
+_LINK = '<li><a href="$where" download>$name</a></li>'
 _TABLE = '<div class="scroll"><table>$head<tbody>$rows</tbody></table></div>'
 _PAIR = '<tr><th scope="row">$name</th><td class="words">$value</td></tr>'
 
@@ -140,6 +144,12 @@ def page(
 def table(rows: Iterable[Html], head: Html = NOTHING) -> Html:
     """Return a table of these rows, which scrolls if it is too wide."""
     return fill(_TABLE, head=head, rows=joined(rows))
+
+
+def links(files: Iterable[str]) -> Html:
+    """Return a list of links to files beside the page."""
+    items = (fill(_LINK, where=quote(file), name=file) for file in files)
+    return fill("<ul>$items</ul>", items=joined(items))
 
 
 def pairs(parameters: Mapping[str, Any]) -> Html:

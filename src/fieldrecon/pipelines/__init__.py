@@ -9,7 +9,8 @@ from fieldrecon.pipelines.block_averages import block_means
 from fieldrecon.pipelines.mesh_audits import AuditResult, audit
 from fieldrecon.pipelines.samples import Samples
 from fieldrecon.pipelines.scans import ScanResult, surface
-from fieldrecon.pipelines.surveys import Prediction, SurveyResult, reconstruct
+from fieldrecon.pipelines.survey_results import Prediction, SurveyResult
+from fieldrecon.pipelines.surveys import reconstruct
 
 __all__ = [
     "AuditResult",

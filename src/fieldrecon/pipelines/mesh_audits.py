@@ -14,6 +14,7 @@ from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.chunks import Stages, silent
 from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.pages.audit_page import audit_page, picture
+from fieldrecon.pipelines.repair_remarks import remarks
 from fieldrecon.triangles.audit import MeshAudit, audit_mesh
 from fieldrecon.triangles.repair import MeshRepair, repair_mesh
 
@@ -36,6 +37,8 @@ class AuditResult:
         The repaired mesh, if it was requested.
     source : str
         Name of the file, or what the data were.
+    remarks : tuple of str
+        Why errors remain after the repair, and which option helps, in sentences.
     """
 
     points: np.ndarray
@@ -43,6 +46,7 @@ class AuditResult:
     audit: MeshAudit
     repair: MeshRepair | None
     source: str
+    remarks: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         found = ", ".join(f"{n} {kind}" for kind, n in self.findings.items()) or "no errors"
@@ -108,6 +112,7 @@ def audit(
     data: Any,
     *,
     tolerance: float | None = None,
+    triangulate: bool = False,
     repair: bool = False,
     largest_hole: float = 0.1,
     stages: Stages = silent,
@@ -122,6 +127,8 @@ def audit(
         `fieldrecon.extract_surface`, or as `vertices` and `faces`, as in trimesh.
     tolerance : float, optional
         As for `fieldrecon.audit_mesh`.
+    triangulate : bool
+        Whether to divide quads and polygons of a file into triangles, instead of refusing them.
     repair : bool
         Whether to repair the mesh.
     largest_hole : float
@@ -151,22 +158,24 @@ def audit(
     """
     if tolerance is not None:
         valid.as_length(tolerance, "tolerance", zero_allowed=True)
-    points, triangles, source = _triangles_of(data)
+    points, triangles, source = _triangles_of(data, triangulate)
     progress = stages("looking for self-intersections")
     if not repair:
         found = audit_mesh(points, triangles, tolerance, progress=progress)
         return AuditResult(points, triangles, found, None, source)
     repaired = repair_mesh(points, triangles, tolerance, largest_hole, progress=progress)
-    return AuditResult(points, triangles, repaired.before, repaired, source)
+    stages("looking for reasons of what remains")
+    why = remarks(repaired.points, repaired.triangles, repaired.after, largest_hole)
+    return AuditResult(points, triangles, repaired.before, repaired, source, tuple(why))
 
 
 _FIELDS = (("points", "triangles"), ("vertices", "faces"))
 
 
-def _triangles_of(data: Any) -> tuple[np.ndarray, np.ndarray, str]:
+def _triangles_of(data: Any, triangulate: bool) -> tuple[np.ndarray, np.ndarray, str]:
     """Points and triangles, and what they come from."""
     if isinstance(data, str | Path):
-        return *read_triangles(Path(data)), Path(data).name
+        return *read_triangles(Path(data), triangulate=triangulate), Path(data).name
     for names in _FIELDS:
         if all(hasattr(data, name) for name in names):
             points, triangles = (np.asarray(getattr(data, name)) for name in names)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -15,10 +15,13 @@ from fieldrecon.io.crs import grid_mapping
 from fieldrecon.io.frames import Frame, Source, bad_row_message, numbered, read_source
 from fieldrecon.io.tables import BadRow, ColumnSpec, bare_name, chosen_columns
 from fieldrecon.methods.globe import principal
+from fieldrecon.pipelines.missing_values import as_missing, suspects
 
 _IN_METRES = ("east", "north")
 _ROUNDED = 9  # decimals of degrees to which points are compared: a tenth of a millimetre
 _SHOWN = 5
+_OTHER_UNITS = 200.0
+"""Ratio of the extents in x and y beyond which they are probably not in one unit."""
 
 
 @dataclass(frozen=True)
@@ -28,9 +31,10 @@ class Samples:
     Parameters
     ----------
     names : tuple of str
-        Names of the columns of the coordinates and of the value.
+        Names of the columns of the coordinates and of the values.
     points : ndarray of shape (n, d)
-    values : ndarray of shape (n,)
+    values : ndarray of shape (n,) or (n, k)
+        Of one column, or of k columns that were asked for as a sequence.
     sigma : ndarray of shape (n,), optional
         Standard deviation of the noise of each value.
     lonlat : bool
@@ -48,9 +52,11 @@ class Samples:
     numbered : str
         What the numbers of the skipped rows are: "line" of a file, or "row" in memory, from 0.
     units : tuple of str
-        Units of the coordinates and of the value, empty where unknown; none if all are unknown.
+        Units of the coordinates and of the values, empty where unknown; none if all are unknown.
     crs : mapping, optional
         Attributes of the grid mapping of the coordinates.
+    absent : int
+        Number of rows that were left out, since a number in them marks a missing value.
     """
 
     names: tuple[str, ...]
@@ -66,17 +72,35 @@ class Samples:
     units: tuple[str, ...] = ()
     crs: Mapping[str, Any] | None = None
     sigma: np.ndarray | None = None
+    absent: int = 0
+
+    @property
+    def value_names(self) -> tuple[str, ...]:
+        """Names of the columns of the values."""
+        return self.names[self.points.shape[1] :]
+
+    @property
+    def columns(self) -> np.ndarray:
+        """The values, in a column (n, k) for each name."""
+        return self.values.reshape(len(self.values), -1)
 
     @property
     def warnings(self) -> list[str]:
         """What a reader of the field has to know of its samples, in sentences."""
-        return [*self._row_warnings(), *self._column_warnings()]
+        return [
+            *self._row_warnings(),
+            *self._column_warnings(),
+            *self._unit_warnings(),
+            *self._value_warnings(),
+        ]
 
     def _row_warnings(self) -> Iterator[str]:
         if self.bad:
             shown = "; ".join(f"{row.line}: {row.reason}" for row in self.bad[:_SHOWN])
             more = f"; and {len(self.bad) - _SHOWN} more" if len(self.bad) > _SHOWN else ""
             yield f"{_count(len(self.bad), 'row')} skipped, by {self.numbered}: {shown}{more}."
+        if self.absent:
+            yield f"{_count(self.absent, 'row')} with missing values left out."
         if self.merged:
             yield (
                 f"{_count(self.merged, 'row')} repeat{'s' * (self.merged == 1)} a point; its value "
@@ -91,7 +115,7 @@ class Samples:
     def _column_warnings(self) -> Iterator[str]:
         low, high = self.points.min(axis=0), self.points.max(axis=0)
         sizes = np.maximum(abs(low), abs(high))
-        bare = [bare_name(name) for name in self.names[:-1]]
+        bare = [bare_name(name) for name in self.names[: self.points.shape[1]]]
         if self.lonlat or len(bare) != 2:
             pass
         elif any(name.startswith(("lon", "lat")) for name in bare):
@@ -113,17 +137,40 @@ class Samples:
                 f"The option z, with {unread[0]}, makes them points in space."
             )
 
+    def _unit_warnings(self) -> Iterator[str]:
+        extents = np.ptp(self.points[:, :2], axis=0)
+        if self.lonlat or not 0 < extents.min() * _OTHER_UNITS < extents.max():
+            return
+        (x, y), names = extents, self.names
+        yield (
+            f"{names[0]} extends over {x:.3g} and {names[1]} over {y:.3g}. Distances take both as "
+            "lengths of one unit: if they are not, convert one of them."
+        )
+
+    def _value_warnings(self) -> Iterator[str]:
+        for name, column in zip(self.value_names, self.columns.T, strict=True):
+            for value, count, (low, high) in suspects(column):
+                times = "once" if count == 1 else f"{count} times"
+                yield (
+                    f"{name} is {value:g} {times}, far from all other values, {low:.4g} to "
+                    f"{high:.4g}. If {value:g} marks missing values, leave these rows out by the "
+                    f"option missing, with {value:g}."
+                )
+
 
 def read_samples(
     table: Source,
     x: str | None = None,
     y: str | None = None,
-    value: str | None = None,
+    value: str | Sequence[str] | None = None,
     z: str | None = None,
     lonlat: bool | None = None,
     strict: bool = False,
     crs: Any = None,
     sigma: str | None = None,
+    missing: Any = None,
+    decimal: str | None = None,
+    in_space: bool = False,
     *,
     progress: Progress | None = None,
 ) -> Samples:
@@ -135,7 +182,8 @@ def read_samples(
         See `fieldrecon.io.tables.read_table` and `fieldrecon.io.frames.as_source`.
     x, y, value : str, optional
         Names of the columns. If they are not given, columns with usual names are taken; the value
-        may also be the only column that remains.
+        may also be the only column that remains. Several values, as a sequence, give values of
+        shape (n, k).
     z : str, optional
         Name of the third coordinate, of points in space.
     lonlat : bool, optional
@@ -145,6 +193,12 @@ def read_samples(
         Refuse a table with a bad row, instead of skipping the row.
     sigma : str, optional
         Name of the column of the standard deviations of the values.
+    missing : float or sequence of float, optional
+        Numbers that mark missing values: rows with one of them are left out.
+    decimal : str, optional
+        The decimal sign of a text, "." or ","; by default that of its numbers.
+    in_space : bool
+        Whether the points are in space although `z` is not given: its column has a usual name.
     crs : object, optional
         As for `fieldrecon.io.crs.grid_mapping`; by default that of the table, if it has one.
     progress : callable, optional
@@ -161,7 +215,14 @@ def read_samples(
         raise ValueError("lonlat is for points on the globe, z for points in space: not both")
     if value is None and isinstance(table, Frame):
         value = table.only_value
-    names = {"x": x, "y": y} | ({} if z is None else {"z": z}) | {"value": value}
+    several = not (value is None or isinstance(value, str))
+    own = [value] if value is None or isinstance(value, str) else list(value)
+    if not own:
+        raise ValueError("value must name at least one column")
+    names: dict[str, str | None] = {"x": x, "y": y}
+    names |= {"z": z} if in_space or z is not None else {}
+    d, k = len(names), len(own)
+    names |= {"value" if i == 0 else f"value {i + 1}": name for i, name in enumerate(own)}
     names |= {} if sigma is None else {"sigma": sigma}
     columns: list[str] = []
     on_globe = bool(lonlat)
@@ -173,36 +234,43 @@ def read_samples(
     units = _units(table, choose) if isinstance(table, Frame) else ()
     if lonlat is None and z is None:
         on_globe = units[:2] == ("degrees_east", "degrees_north")
+    marks = as_missing(missing)
     limits = (360.0, 90.0, *(np.inf,) * (len(names) - 2)) if on_globe else None
-    found = read_source(table, ColumnSpec(choose, limits), progress)
-    d = len(names) - 1 - (sigma is not None)
-    deviations = found.numbers[:, -1] if sigma is not None else None
+    spec = ColumnSpec(choose, limits, decimal, marks)
+    found = read_source(table, spec, progress)
+    numbers = found.numbers
+    if found.bad and (strict or not len(numbers)):
+        raise ValueError(bad_row_message(table, found.bad[0]))
+    absent = spec.missing_rows(numbers)
+    if absent.all():
+        raise ValueError(f"every row of {table} has a missing value, {missing}")
+    numbers = numbers[~absent]
+    deviations = numbers[:, -1] if sigma is not None else None
     if deviations is not None and (deviations < 0).any():
         raise ValueError(f"{sigma} must not be negative: it is a standard deviation")
-    if found.bad and (strict or not len(found.numbers)):
-        raise ValueError(bad_row_message(table, found.bad[0]))
-    if on_globe and len(found.bad) > len(found.numbers):
+    if on_globe and len(found.bad) > len(numbers):
         row = found.bad[0]
         raise ValueError(
             f"most rows of {table} are not degrees of longitude and latitude, such as "
             f"{numbered(table)} {row.line}: {row.reason}; are they lengths, or the other way round?"
         )
-    points = found.numbers[:, :d]
+    points = numbers[:, :d]
     coordinates = np.round(principal(points), _ROUNDED) if on_globe else points
     known = table.crs if crs is None and isinstance(table, Frame) else crs
     return _merged(
         partial(
             Samples,
-            tuple(found.names[: d + 1]),
+            tuple(found.names[: d + k]),
             lonlat=on_globe,
             bad=tuple(found.bad),
             unread=tuple(name for name in columns if name not in found.names),
             numbered=numbered(table),
-            units=units[: d + 1],
+            units=units[: d + k],
             crs=grid_mapping(known),
+            absent=int(absent.sum()),
         ),
         coordinates,
-        found.numbers[:, d],
+        numbers[:, d : d + k] if several else numbers[:, d],
         deviations,
     )
 

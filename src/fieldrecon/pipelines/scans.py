@@ -19,10 +19,13 @@ from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.chunks import Stages, silent
 from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.io.clouds import Cloud, as_cloud
+from fieldrecon.io.frames import as_source
 from fieldrecon.io.meshes import write_triangles
 from fieldrecon.pages.surface_page import picture, surface_page
+from fieldrecon.pipelines.samples import read_samples
 from fieldrecon.solids.marching_cubes import ExtractedSurface, extract_surface
 from fieldrecon.surfaces.implicit_surfaces import ImplicitSurface, implicit_surface
+from fieldrecon.surfaces.level_sets import LevelSet
 from fieldrecon.surfaces.polygon_soup import PolygonSoupSolid
 from fieldrecon.triangles.audit import in_words
 from fieldrecon.triangles.distances import distances_to_triangles
@@ -45,7 +48,7 @@ class ScanResult:
         As read from the file.
     center : (3,) ndarray
         Coordinates of the cloud are coordinates of the body and its mesh plus this vector.
-    body : ImplicitSurface or PolygonSoupSolid
+    body : ImplicitSurface, PolygonSoupSolid or LevelSet
     mesh : ExtractedSurface
     distances : (n,) ndarray
         Distances of the points of the body from the triangles.
@@ -59,7 +62,7 @@ class ScanResult:
 
     cloud: Cloud
     center: np.ndarray
-    body: ImplicitSurface | PolygonSoupSolid
+    body: ImplicitSurface | PolygonSoupSolid | LevelSet
     mesh: ExtractedSurface
     distances: np.ndarray
     gaps: np.ndarray
@@ -146,6 +149,9 @@ class ScanResult:
         """What the surface was fitted to, in words."""
         if isinstance(self.body, PolygonSoupSolid):
             return f"{len(self.body.points):,} points on {len(self.cloud.triangles):,} triangles"
+        if isinstance(self.body, LevelSet):
+            crossings = f"{len(self.body.points):,} crossings of the level"
+            return f"{crossings} between {self.body.samples:,} samples"
         return f"{len(self.body.points):,} of {len(self.cloud.points):,} points"
 
     @property
@@ -162,7 +168,7 @@ class ScanResult:
     @property
     def warnings(self) -> list[str]:
         """What a reader of the mesh has to know, in sentences."""
-        if isinstance(self.body, PolygonSoupSolid):
+        if not isinstance(self.body, ImplicitSurface):
             return [*self.cloud.warnings, *self.body.warnings, *self._mesh_warnings()]
         source = f"those of the {self.cloud.normals_of}" if self.own_normals else "estimated"
         normals = f"The normals are {source}."
@@ -202,6 +208,8 @@ class ScanResult:
 def surface(
     data: Any,
     *,
+    level: float | None = None,
+    value: str | None = None,
     normals: Any = "file",
     smoothing: float | None = None,
     polygons: float | None = None,
@@ -216,6 +224,12 @@ def surface(
     data : path, (n, 3) array_like, Cloud, or a table in memory
         A file that `fieldrecon.io.read_cloud` reads, points, or a data frame or mapping with
         columns x, y, z and perhaps nx, ny, nz.
+    level : float, optional
+        The data are samples of a scalar, such as signed distances, in a table with x, y, z and the
+        value; the surface is where it has this value. The body is on the side that fewer of the
+        outermost samples have.
+    value : str, optional
+        With `level`, the column of the scalar; usual names are recognized.
     normals : "file", "estimate" or (n, 3) array_like
         Those of the data or of their triangles, if there are any; those estimated from the points
         alone; or these.
@@ -243,11 +257,23 @@ def surface(
         If scikit-image is not installed, or meshio for a format that takes it.
     """
     stages("reading")
-    cloud = _with_normals(as_cloud(data), normals)
+    if level is not None:
+        if smoothing is not None or polygons is not None:
+            raise ValueError("level is for samples of a scalar, not for points or polygons")
+        samples = read_samples(as_source(data), value=value, in_space=True)
+        warnings = tuple(samples.warnings)
+        cloud = Cloud(samples.points, None, np.empty((0, 3), dtype=np.intp), warnings)
+    elif value is not None:
+        raise ValueError("value is for samples of a scalar: give level as well")
+    else:
+        samples, cloud = None, _with_normals(as_cloud(data), normals)
     # far from the origin, squares of coordinates would lose digits
     center = (cloud.points.min(axis=0) + cloud.points.max(axis=0)) / 2
-    body: ImplicitSurface | PolygonSoupSolid
-    if polygons is None:
+    body: ImplicitSurface | PolygonSoupSolid | LevelSet
+    if samples is not None and level is not None:
+        stages("fitting the scalar")
+        body, spacing = LevelSet(cloud.points - center, samples.values, level), edge
+    elif polygons is None:
         body = _fit_points(cloud, center, smoothing, stages)
         spacing = edge
     else:
@@ -262,7 +288,7 @@ def surface(
     stages("looking for gaps and errors")
     away = cKDTree(body.points).query(mesh.points[mesh.triangles].mean(axis=1))[0]
     gaps = away > GAP * body.spacing
-    own_normals = polygons is None and cloud.normals is not None
+    own_normals = isinstance(body, ImplicitSurface) and cloud.normals is not None
     source = Path(data).name if isinstance(data, str | Path) else "points in memory"
     result = ScanResult(cloud, center, body, mesh, distances, gaps, own_normals, source)
     _ = result.mesh.audit  # computed in this stage, and cached

@@ -7,294 +7,37 @@ and mark the extrapolated targets.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
+from typing import Any
 
 import numpy as np
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.chunks import Stages, silent
-from fieldrecon._core.memory import memory_used, peak_memory
-from fieldrecon.io.frames import Source, as_source, as_table, is_labelled, is_table
-from fieldrecon.io.labelled import to_dataframe, to_xarray
+from fieldrecon._core.memory import peak_memory
+from fieldrecon.io.frames import Source, as_source, as_table, is_table
 from fieldrecon.io.saved_fields import load_with_names
-from fieldrecon.io.targets import (
-    Targets,
-    TargetValues,
-    grid_over,
-    targets_of_mesh,
-    targets_of_table,
-)
-from fieldrecon.io.values import write_values
-from fieldrecon.methods.globe import OnGlobe, to_unit
+from fieldrecon.io.targets import Targets, grid_over, targets_of_mesh, targets_of_table
+from fieldrecon.methods.globe import OnGlobe
 from fieldrecon.methods.tangent_plane import OnTangentPlane, mean_direction
-from fieldrecon.pages.reconstruction_page import pictures, summary
 from fieldrecon.pipelines.samples import Samples, read_samples, refuse_flat
+from fieldrecon.pipelines.survey_results import SurveyResult, on_globe, values_with_error
 from fieldrecon.pipelines.validation import Validation
 from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.selection.cross_validation import NO_FIELD, CrossValidator, ModelScore, best
-from fieldrecon.selection.error_bands import COVERAGE, ErrorBand
-from fieldrecon.selection.extrapolation import AMONG, OUTSIDE, extrapolated
+from fieldrecon.selection.error_bands import ErrorBand
+from fieldrecon.selection.extrapolation import OUTSIDE, extrapolated
 from fieldrecon.selection.leaving_one_out import leave_one_out
 from fieldrecon.selection.models import MODELS, Maker, with_variances
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 _DEFAULT_GRIDS = {2: (200, 200), 3: (50, 50, 50)}
-_BY_ROUGHNESS = {
-    0.0: "",
-    0.5: " and of the root of the roughness of the field there",
-    1.0: " and of the roughness of the field there",
-}
 _REGION = np.cos(np.radians(30))
 """Least cosine of the angle between the samples and their mean direction in a region."""
 _MATCHED = 5000  # targets whose distances the held-out samples match
-
-
-class Prediction(NamedTuple):
-    """A field at queries of the shape (...,), with its error.
-
-    Parameters
-    ----------
-    values, error : ndarray of shape (...,)
-        The error is the half-width of a band, as `fieldrecon.selection.ErrorBand` describes it.
-    extrapolated : ndarray of shape (...,), of small integers
-        As `fieldrecon.selection.extrapolated` returns them.
-    """
-
-    values: np.ndarray
-    error: np.ndarray
-    extrapolated: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
-class SurveyResult:
-    """A field that was reconstructed from samples, its values and error at targets, and warnings.
-
-    Parameters
-    ----------
-    source : str
-        Where the samples come from: the name of the file, or "data frame".
-    samples : Samples
-    scores : sequence of ModelScore
-        The methods that were compared; empty for a loaded field.
-    validation : Validation or str
-        The samples that were held out and the residuals of the method there, or why there are none.
-    chosen : ModelScore, optional
-        The method that was evaluated; None for a loaded field.
-    field : Field
-    result : TargetValues
-    seconds : float
-        Time from the first row to the last value.
-    memory : int, optional
-        Peak memory of the program in bytes, where the system reports it.
-    """
-
-    source: str
-    samples: Samples
-    scores: Sequence[ModelScore]
-    validation: Validation | str
-    chosen: ModelScore | None
-    field: Field
-    result: TargetValues
-    seconds: float
-    memory: int | None
-
-    def __repr__(self) -> str:
-        name, count = self.result.labels[-1], len(self.samples.points)
-        known = self.chosen is not None and self.chosen.residuals is not None
-        error = f", {self.chosen.errors}" if self.chosen and known else ""
-        return (
-            f"<SurveyResult: {name} from {count} samples of {self.source}, at "
-            f"{len(self.result.values)} {self.result.targets.kind}, by {self.method}{error}>"
-        )
-
-    @overload
-    def predict(self, points: np.ndarray) -> Prediction: ...
-
-    @overload
-    def predict(self, points: Any) -> Any: ...
-
-    def predict(self, points: Any) -> Any:
-        """Evaluate the field and its error at further points.
-
-        Parameters
-        ----------
-        points : (..., d) array_like, pandas.DataFrame, xarray.Dataset or xarray.DataArray
-            Queries; a table has columns, or coordinates, of the names that the samples have.
-
-        Returns
-        -------
-        Prediction, pandas.DataFrame or xarray.Dataset
-            For an array `values`, `error` and `extrapolated` of the shape (...,). For a data frame
-            these in columns, in its rows and with its index. For xarray a data set on the grid of
-            its coordinates, or over the dimension "point".
-
-        Raises
-        ------
-        ValueError
-            If the points have the wrong number of coordinates, or one that is not finite.
-        """
-        if not is_table(points):
-            x = valid.as_queries(points, self.samples.points.shape[1], "points")
-            found = self._at(Targets(x.reshape(-1, x.shape[-1])))
-            columns = (found.values, found.error, found.extrapolated)
-            return Prediction(*(column.reshape(x.shape[:-1]) for column in columns))
-        frame = as_source(points)
-        names = self.samples.names[:-1]
-        found = self._at(targets_of_table(frame, names, self.samples.lonlat, strict=True))
-        if is_labelled(points):
-            return to_xarray(found)
-        return to_dataframe(found, coordinates=False)
-
-    def _at(self, targets: Targets) -> TargetValues:
-        values = self.field(targets.points)
-        return _with_error(self.samples, self.validation, targets, values, silent)
-
-    def to_dataframe(self) -> Any:
-        """Return a `pandas.DataFrame` of the targets, the values, their error and the flags.
-
-        Raises
-        ------
-        ModuleNotFoundError
-            If pandas is not installed: with the extra that provides it.
-        """
-        return to_dataframe(self.result)
-
-    def to_xarray(self) -> Any:
-        """Return an `xarray.Dataset` with the units and the grid mapping of the NetCDF files.
-
-        Raises
-        ------
-        ModuleNotFoundError
-            If xarray is not installed: with the extra that provides it.
-        """
-        return to_xarray(self.result)
-
-    def write(self, path: str | Path) -> Path:
-        """Write the values at the targets; the suffix names the format.
-
-        Parameters
-        ----------
-        path : str or pathlib.Path
-            ``.csv``, ``.npz``, ``.nc`` (NetCDF) or ``.vtk`` (ParaView). An existing file is
-            replaced after the new one is complete.
-
-        Raises
-        ------
-        ValueError
-            If there is no such format.
-        """
-        return write_values(Path(path), self.result)
-
-    def plot(self) -> Figure:
-        """Draw the field and the samples, pale where extrapolated.
-
-        Raises
-        ------
-        ModuleNotFoundError
-            If the packages that draw are not installed: with the extra that provides them.
-        """
-        return pictures(self, "reconstruction")["reconstruction"]
-
-    def plot_error(self) -> Figure:
-        """Draw the error of the field."""
-        return pictures(self, "error")["error"]
-
-    def report(self, path: str | Path, parameters: Mapping[str, Any] | None = None) -> Path:
-        """Write a page of HTML with the pictures, the warnings, the methods and the parameters.
-
-        Parameters
-        ----------
-        path : str or pathlib.Path
-        parameters : mapping, optional
-            Further parameters for the table at its end.
-
-        Returns
-        -------
-        pathlib.Path
-        """
-        return write_atomically(Path(path), summary(self, parameters or {}).encode())
-
-    @property
-    def method(self) -> str:
-        """The method that was evaluated."""
-        if self.chosen is None:
-            return f"the field of {self.source}"
-        return f"{self.chosen.model.name}, {self.chosen.model.meaning}"
-
-    @property
-    def ranked(self) -> list[ModelScore]:
-        """The compared methods by their error, the smallest first."""
-        return sorted(self.scores, key=lambda score: score.rank)
-
-    @property
-    def warnings(self) -> list[str]:
-        """What a reader of the values has to know, in sentences."""
-        return [
-            *self.samples.warnings,
-            *self._noise_warnings(),
-            *self._target_warnings(),
-            self._error_warning(),
-        ]
-
-    def _noise_warnings(self) -> Iterator[str]:
-        if self.samples.sigma is None:
-            return
-        method: Any = self.field.method
-        while isinstance(method, OnGlobe | OnTangentPlane):
-            method = method.method
-        if np.ndim(getattr(method, "smoothing", 0.0)):
-            yield "The smoothing is proportional to the variances of the samples."
-        else:
-            yield (
-                "The method takes all samples as equally certain: their standard deviations were "
-                "not used."
-            )
-
-    def _target_warnings(self) -> Iterator[str]:
-        result, kind = self.result, self.result.targets.kind
-        hull = "the hull" if result.lonlat else "the convex hull"
-        if bad := result.targets.bad:
-            rows = "row is not a point" if len(bad) == 1 else "rows are not points"
-            first = f"{result.targets.numbered} {bad[0].line}: {bad[0].reason}"
-            yield f"{len(bad)} {rows}; the first, {first}."
-        flags = result.extrapolated
-        if isinstance(self.validation, str):
-            return
-        yield self.validation.sentence
-        far = f"farther than {self.validation.farthest} from the nearest sample"
-        if count := np.count_nonzero(flags != AMONG):
-            outside = np.count_nonzero(flags == OUTSIDE)
-            yield (
-                f"{count} of {len(flags)} {kind} are {far}, where no samples were held out, and "
-                f"are marked as extrapolated; {outside} of these lie outside {hull} of the samples."
-            )
-        else:
-            yield f"None of the {len(flags)} {kind} is {far}, the range of the validation."
-
-    def _error_warning(self) -> str:
-        if isinstance(self.validation, str):
-            return f"The error of the field is not known: {self.validation}."
-        band, typical = self.validation.band, float(np.median(self.result.error))
-        return (
-            f"The given error bounds the residuals of {100 * COVERAGE:.0f} of 100 held-out "
-            "samples, as a function of the distance from the nearest sample"
-            f"{_BY_ROUGHNESS[band.exponent]}. "
-            f"Its median over the {self.result.targets.kind} is {typical:.3g}. It is not validated "
-            "where extrapolated."
-        )
-
-    @property
-    def cost(self) -> str:
-        """Time and memory."""
-        return f"{self.seconds:.1f} s{memory_used(self.memory, ' of memory')}"
 
 
 def reconstruct(
@@ -307,6 +50,9 @@ def reconstruct(
     sigma: Any = None,
     lonlat: bool | None = None,
     strict: bool = False,
+    missing: Any = None,
+    decimal: str | None = None,
+    units: str | Sequence[str] | None = None,
     method: str = "best",
     grid: Sequence[int] | None = None,
     at: Any = None,
@@ -324,7 +70,9 @@ def reconstruct(
         `value`. Without data, `x`, `y` and `value` are arrays (n,).
     x, y, z, value : str or (n,) array_like, optional
         Names of columns of a table; usual names are recognized. `z` makes the samples points in
-        space.
+        space. Several values, as a list of names or an array (n, k), are reconstructed by one
+        method: the one with the least mean square of the residuals, each divided by the standard
+        deviation of its value.
     sigma : str or (n,) array_like, optional
         Standard deviation of the noise of each value. Where a method smooths, it does so in
         proportion to the variances; by how much, the held-out samples decide.
@@ -333,6 +81,13 @@ def reconstruct(
         in the data are ``degrees_east`` and ``degrees_north``.
     strict : bool
         Refuse a table with a bad row, instead of skipping the row.
+    missing : float or sequence of float, optional
+        Numbers that mark missing values, such as -9999: rows with one of them are left out.
+    decimal : str, optional
+        The decimal sign of a text, "." or ","; by default that of its numbers.
+    units : str or sequence of str, optional
+        The unit of the value, or of each of several values; by default that of the data, or the one
+        in brackets in the name of its column.
     method : str
         A name in `fieldrecon.selection.MODELS`, or "best": the method with the smallest error
         at samples that are left out.
@@ -388,15 +143,24 @@ def reconstruct(
     else:
         source, names = as_table(data, x, y, value, z, sigma)
         samples = read_samples(
-            source, **names, lonlat=lonlat, strict=strict, crs=crs, progress=stages("reading")
+            source,
+            **names,
+            lonlat=lonlat,
+            strict=strict,
+            missing=missing,
+            decimal=decimal,
+            crs=crs,
+            progress=stages("reading"),
         )
+        samples = samples if units is None else _with_units(samples, units)
         refuse_flat(samples)
-    targets = _targets(samples, grid, at, mesh, strict)
-    sites, queries = _on_globe(samples, samples.points), _on_globe(samples, targets.points)
+    targets = _targets(samples, grid, at, mesh, strict, decimal)
+    sites, queries = on_globe(samples, samples.points), on_globe(samples, targets.points)
     stages("choosing the folds")
     asked = _asked_for(sites, queries, targets, samples.lonlat)
     variances = None if samples.sigma is None else samples.sigma**2
-    validator = CrossValidator.of(sites, samples.values, asked, variances=variances)
+    scale = _scale(samples)
+    validator = CrossValidator.of(sites, samples.values / scale, asked, variances=variances)
     if loaded is None:
         scores = _compare(validator, method, samples.lonlat, stages)
         chosen, (field, values) = best(
@@ -405,12 +169,21 @@ def reconstruct(
     else:
         field, scores, chosen = loaded, [], None
         values = field(targets.points, progress=stages("evaluating"))
-    validation = _validate(validator, chosen, field, asked, samples, stages)
-    result = _with_error(samples, validation, targets, values, stages)
+    validations = _validate(validator, chosen, field, asked, samples, scale, stages)
+    result = values_with_error(samples, validations, targets, values, stages)
     seconds, memory = perf_counter() - began, peak_memory()
     return SurveyResult(
-        source.name, samples, scores, validation, chosen, field, result, seconds, memory
+        source.name, samples, scores, validations, chosen, field, result, seconds, memory
     )
+
+
+def _with_units(samples: Samples, units: str | Sequence[str]) -> Samples:
+    """The samples with the units of their values."""
+    given = (units,) if isinstance(units, str) else tuple(units)
+    count, d = len(samples.value_names), samples.points.shape[1]
+    if len(given) != count:
+        raise ValueError(f"units must be {count}, one for each value; got {', '.join(given)}")
+    return replace(samples, units=(samples.units[:d] or ("",) * d) + given)
 
 
 def _targets(
@@ -419,6 +192,7 @@ def _targets(
     at: Any,
     mesh: str | Path | None,
     strict: bool,
+    decimal: str | None,
 ) -> Targets:
     """Read the targets, or lay a grid over the samples."""
     d = samples.points.shape[1]
@@ -428,43 +202,10 @@ def _targets(
         return targets_of_mesh(Path(mesh), d)
     if at is None:
         return grid_over(samples.points, grid or _DEFAULT_GRIDS[d], samples.lonlat)
-    names = samples.names[:-1]
+    names = samples.names[:d]
     if is_table(at):
-        return targets_of_table(as_source(at), names, samples.lonlat, strict)
+        return targets_of_table(as_source(at), names, samples.lonlat, strict, decimal)
     return Targets(valid.as_points(valid.as_queries(at, d, "at"), "at"))
-
-
-def _on_globe(samples: Samples, points: np.ndarray) -> np.ndarray:
-    """Points as unit vectors, if the samples are on the globe."""
-    return to_unit(points) if samples.lonlat else points
-
-
-def _with_error(
-    samples: Samples,
-    validation: Validation | str,
-    targets: Targets,
-    values: np.ndarray,
-    stages: Stages,
-) -> TargetValues:
-    """The values at targets with their error, and the flags of extrapolation."""
-    sites, queries = _on_globe(samples, samples.points), _on_globe(samples, targets.points)
-    if isinstance(validation, str):
-        error, farthest = np.full(len(queries), np.nan), None
-    else:
-        error = validation.band(queries, stages("estimating the error"))
-        farthest = validation.band.validated
-    stages("marking extrapolated targets")
-    flags = extrapolated(sites, queries, samples.lonlat, farthest)
-    return TargetValues(
-        samples.names,
-        targets,
-        values,
-        error,
-        flags,
-        samples.lonlat,
-        samples.units,
-        samples.crs,
-    )
 
 
 def _asked_for(
@@ -486,13 +227,14 @@ def _load(path: Path) -> tuple[Samples, Field]:
     field, names = load_with_names(path)
     points, values = field.method.points, field.values
     d = points.shape[1]
-    if values.ndim != 1 or values.dtype.kind == "c" or d not in _DEFAULT_GRIDS:
+    if values.ndim > 2 or values.dtype.kind == "c" or d not in _DEFAULT_GRIDS:
         raise ValueError(
-            f"{path} must hold one real value at each point of the plane or of space; got "
+            f"{path} must hold real values (n,) or (n, k) at points of the plane or of space; got "
             f"values of the shape {values.shape} in {d} variables"
         )
-    default_names = (*"xyz"[:d], "value")
-    own_names = tuple(names) if len(names) == d + 1 else default_names
+    several = [f"value_{k}" for k in range(1, values.shape[1] + 1)] if values.ndim == 2 else []
+    default_names = (*"xyz"[:d], *(several or ["value"]))
+    own_names = tuple(names) if len(names) == len(default_names) else default_names
     return Samples(own_names, points, values, isinstance(field.method, OnGlobe)), field
 
 
@@ -527,15 +269,24 @@ def _fit_and_evaluate(
     return field, field(targets.points, progress=stages("evaluating"))
 
 
+def _scale(samples: Samples) -> np.ndarray:
+    """The standard deviation of each of several values; one value keeps its unit."""
+    if samples.values.ndim == 1:
+        return np.ones(())
+    spread = samples.values.std(axis=0)
+    return np.where(spread > 0, spread, 1.0)
+
+
 def _validate(
     validator: CrossValidator,
     chosen: ModelScore | None,
     field: Field,
     asked: np.ndarray,
     samples: Samples,
+    scale: np.ndarray,
     stages: Stages,
-) -> Validation | str:
-    """Residuals of the method at the held-out samples, or why there are none."""
+) -> list[Validation] | str:
+    """For each value the residuals of the method at the held-out samples, or why there are none."""
     progress = stages("leaving out each sample")
     method = field.method.method if isinstance(field.method, OnGlobe) else field.method
     try:
@@ -549,8 +300,14 @@ def _validate(
         own: np.ndarray | None = leave_one_out(method, field.values, progress=progress)
     except NO_FIELD:
         own = None  # without the roughness, the error depends on the distance only
-    band = ErrorBand(validator.points, validator.folds, residuals, own)
-    return Validation.of(validator, residuals, band, asked, samples.lonlat)
+    validations = []
+    for k, values in enumerate(samples.columns.T):
+        of_value = replace(validator, values=values)
+        residual = (residuals * scale).reshape(len(residuals), -1)[:, k]
+        own_residual = None if own is None else own.reshape(len(own), -1)[:, k]
+        band = ErrorBand(validator.points, validator.folds, residual, own_residual)
+        validations.append(Validation.of(of_value, residual, band, asked, samples.lonlat))
+    return validations
 
 
 def _maker_like(method: Reconstruction) -> Maker:

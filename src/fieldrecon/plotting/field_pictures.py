@@ -6,17 +6,20 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
+from scipy.spatial import cKDTree
 
 from fieldrecon.io.targets import Targets, TargetValues
-from fieldrecon.plotting.style import figure
+from fieldrecon.methods.globe import to_unit
+from fieldrecon.plotting.style import SEQUENTIAL, figure
 from fieldrecon.selection.extrapolation import AMONG, OUTSIDE
 
 if TYPE_CHECKING:
-    from fieldrecon.pipelines.surveys import SurveyResult
+    from fieldrecon.pipelines.survey_results import SurveyResult
 
 _SIDE = 400
 """Largest number of nodes along each side that are drawn: as many as a screen can show."""
@@ -27,22 +30,54 @@ _UNEVEN = 1e-3  # difference of the steps of an axis, as a fraction of the large
 _WIDTH, _HEIGHT = 4.2, 3.3
 
 
-def plot(survey: SurveyResult) -> Figure:
-    """Draw the field and the samples: pale where extrapolated, hatched outside the hull."""
-    result = _drawn(survey.result)
+def color_map(name: str) -> str:
+    """The name of a colour map of Matplotlib, checked.
+
+    Raises
+    ------
+    ValueError
+        If there is no such colour map.
+    """
+    if name not in colormaps:
+        raise ValueError(
+            f"there is no colour map {name!r}; there are viridis, cividis, magma, RdBu_r and the "
+            "others of Matplotlib"
+        )
+    return name
+
+
+def plot(survey: SurveyResult, k: int = 0, cmap: str = SEQUENTIAL) -> Figure:
+    """Draw the value of index k and the samples: pale where extrapolated, hatched outside."""
+    result = _drawn(survey.result.single(k))
     among = result.values[result.extrapolated == AMONG]
-    return _picture(survey, result, result.values, _colors(among), result.labels[-1])
+    colors = _colors(among) | {"cmap": cmap}
+    return _picture(survey, result, result.values, colors, result.labels[-1])
 
 
-def plot_error(survey: SurveyResult) -> Figure:
-    """Draw the error of the field."""
-    result = _drawn(survey.result)
+def plot_error(survey: SurveyResult, k: int = 0, cmap: str = SEQUENTIAL) -> Figure:
+    """Draw the error of the value of index k."""
+    result = _drawn(survey.result.single(k))
     among = result.error[result.extrapolated == AMONG]
     colors = _colors(among)
     if among.size and 0 < among.min() < among.max() / 30:
         low = max(among.min(), among.max() / 1e4)
         colors = {"norm": LogNorm(low, among.max())}
-    return _picture(survey, result, result.error, colors, f"error of {result.labels[-1]}")
+    label = f"error of {result.labels[-1]}"
+    return _picture(survey, result, result.error, colors | {"cmap": cmap}, label)
+
+
+def plot_nearest(survey: SurveyResult, k: int = 0, cmap: str = SEQUENTIAL) -> Figure:
+    """Draw the distance of each target from the nearest sample, on the globe in degrees."""
+    result = survey.result.single(k)
+    drawn = _drawn(replace(result, values=np.arange(len(result.values))))
+    sites, x = survey.samples.points, result.targets.points[drawn.values]
+    if result.lonlat:
+        sites, x = to_unit(sites), to_unit(x)
+    distance = cKDTree(sites).query(x)[0]
+    if result.lonlat:
+        distance = np.degrees(2 * np.arcsin(np.minimum(distance / 2, 1.0)))
+    label = "distance from the nearest sample" + (", degrees" if result.lonlat else "")
+    return _picture(survey, drawn, distance, {"vmin": 0.0, "cmap": cmap}, label)
 
 
 def _colors(among: np.ndarray) -> dict[str, Any]:

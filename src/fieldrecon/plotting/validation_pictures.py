@@ -11,6 +11,7 @@ from fieldrecon.plotting.style import figure
 
 if TYPE_CHECKING:
     from fieldrecon.pipelines.validation import Validation
+    from fieldrecon.pipelines.variograms import Variogram
 
 _WIDTH, _HEIGHT = 4.2, 3.3
 
@@ -45,4 +46,25 @@ def plot_held_out(validation: Validation, name: str) -> Figure:
         axes.plot(predicted, validation.values, ".", markersize=2.5)
         axes.plot(ends, ends, "-", linewidth=0.8, color="black")
         axes.set(xlabel=f"{name}, predicted", ylabel=f"{name}, held out")
+    return page
+
+
+def plot_variogram(variogram: Variogram, name: str) -> Figure:
+    """Draw the variogram of the samples, its model, the nugget, and the range if there is one."""
+    h = np.linspace(0.0, variogram.distances.max(), 200)
+    with figure(_WIDTH, _HEIGHT) as (page, axes):
+        axes.plot(variogram.distances, variogram.values, "o", markersize=3, label="samples")
+        axes.plot(h, variogram(h), "-", color="black", label="exponential model")
+        axes.axhline(variogram.nugget, linestyle=":", color="black", linewidth=0.9, label="nugget")
+        if variogram.levels_off:
+            style = {"linestyle": "--", "color": "black", "linewidth": 0.9}
+            axes.axvline(variogram.range, label="range", **style)
+        axes.set(
+            xlabel="distance" + variogram.unit.replace(" ", ", "),
+            ylabel=f"semivariance of {name}",
+            xlim=(0, h[-1]),
+            ylim=(0, None),
+        )
+        axes.locator_params(axis="x", nbins=5)
+        axes.legend(loc="lower right")
     return page

@@ -57,8 +57,8 @@ class ModelScore:
     model : Model
     maker : callable, optional
         The variant of least error; takes points to the method on these.
-    residuals : ndarray of shape (m,), optional
-        At each held-out sample, its value less the field of the fitted ones there.
+    residuals : ndarray of shape (m,) or (m, k), optional
+        At each held-out sample, its value, or k values, less the field of the fitted ones there.
     reason : str
         Why the model was not tried or has no field, otherwise empty.
     weights : ndarray of shape (m,), optional
@@ -89,7 +89,7 @@ class ModelScore:
         """Root mean square of the residuals, in the unit of the values; infinite without any."""
         if self.residuals is None:
             return np.inf
-        return float(np.sqrt(np.average(self.residuals**2, weights=self.weights)))
+        return float(np.sqrt(np.average(self.residuals**2, axis=0, weights=self.weights).mean()))
 
     @property
     def largest(self) -> float:
@@ -109,7 +109,8 @@ class CrossValidator:
     Parameters
     ----------
     points : ndarray of shape (n, d)
-    values : ndarray of shape (n,)
+    values : ndarray of shape (n,) or (n, k)
+        Several values are to be given in units of equal weight.
     folds : tuple of Fold
     variances : ndarray of shape (n,), optional
         Variances of the noise of the values, to which smoothing is proportional.

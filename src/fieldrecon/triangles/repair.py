@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
+from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.triangles.audit import MeshAudit, as_surface, audit_mesh, unit_of
 from fieldrecon.triangles.duplicates import (
     first_duplicates,
@@ -24,7 +25,7 @@ from fieldrecon.triangles.duplicates import (
     merged_vertices,
     rows_in,
 )
-from fieldrecon.triangles.half_edges import HalfEdges
+from fieldrecon.triangles.half_edges import HalfEdges, component_labels
 from fieldrecon.triangles.holes import hole_patches
 from fieldrecon.triangles.intersections import close_pairs, contacts
 from fieldrecon.triangles.orientation import inconsistently_oriented, inverted
@@ -42,8 +43,9 @@ class MeshRepair:
     before, after : MeshAudit
     done : dict of str to int
         Numbers of repairs, without zeros: merged vertices; removed degenerate and duplicate
-        triangles; edges split at a vertex inside them; vertices split at bow-ties; reversed
-        triangles; filled holes and the triangles that fill them; removed unreferenced vertices.
+        triangles, those of fins included; fins; edges split at a vertex inside them; vertices split
+        at bow-ties; reversed triangles; filled holes and the triangles that fill them; removed
+        unreferenced vertices.
     """
 
     points: np.ndarray
@@ -64,7 +66,8 @@ def repair_mesh(
     """Repair the errors of a mesh of triangles in space that have an unambiguous repair.
 
     Vertices that `audit_mesh` reports as duplicates are merged; in a soup, all that coincide.
-    Degenerate and duplicate triangles are removed. Boundary edges are split where a boundary vertex
+    Degenerate and duplicate triangles are removed, and fins: small sheets with a free edge, at
+    edges that have two other triangles. Boundary edges are split where a boundary vertex
     lies inside them, and a bow-tie vertex is split into one vertex for each fan. Triangles are
     oriented like most of their patch, and closed parts outward. Small holes are filled, and
     unreferenced vertices removed.
@@ -77,7 +80,8 @@ def repair_mesh(
         As for `audit_mesh`.
     largest_hole : float
         A hole is filled if its triangles have at most this share of the area of the part around it,
-        and its boundary has at most 32 edges; with 0 none is filled.
+        and its boundary has at most 32 edges; with 0 none is filled. Fins have at most this share
+        of the area of all triangles.
     progress : callable, optional
         Called as progress(done, total), in the audits before and after.
 
@@ -94,8 +98,8 @@ def repair_mesh(
 
     Notes
     -----
-    Edges of three or more triangles, self-intersections and one-sided surfaces remain, since the
-    mesh does not determine their repair; `after` lists them. Holes that touch at vertices are
+    Other edges of three or more triangles, self-intersections and one-sided surfaces remain, since
+    the mesh does not determine their repair; `after` lists them. Holes that touch at vertices are
     filled one at a time, before bow-ties are split. A hole is not filled if the audit would find an
     error in its triangles. No repair adds a kind of error, but the vertices into which a bow-tie is
     split touch: a repair that would add one is left out, and so are those that build on it.
@@ -163,6 +167,7 @@ class _Damaged:
         merged = merge_targets(self.triangles, self.before, p, tolerance)
         kept = without_duplicates(merged[self.triangles], n)
         kept = without_flat(p, kept, tolerance, spare)
+        kept, fins = (kept, 0) if spare else without_fins(p, kept, self.largest_hole)
         if len(kept) == 0:
             raise ValueError("triangles must not all be degenerate; none is left to repair")
         t = kept
@@ -178,6 +183,7 @@ class _Damaged:
         done = {
             "welded_vertices": int((merged != np.arange(n)).sum()),
             "removed_triangles": len(self.triangles) - len(kept),
+            "removed_fins": fins,
             "split_edges": len(t) - len(kept),
             "split_vertices": split,
             "turned_triangles": int((whole[: len(t)] != t).any(axis=1).sum()),
@@ -258,6 +264,7 @@ def _without_unused(p: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return p[used], (np.cumsum(used) - 1)[t]
 
 
+_OTHERS = 2  # triangles at an edge of a closed surface
 _ROUNDS = 64  # each halves the edges that still have vertices inside
 
 
@@ -275,6 +282,32 @@ def without_flat(p: np.ndarray, t: np.ndarray, tolerance: float, spare: bool = F
         edges = HalfEdges(t, len(p)).nonmanifold_edges
         flat &= ~rows_in(sides, edges).reshape(-1, 3).any(axis=1)
     return t[~flat]
+
+
+def without_fins(p: np.ndarray, t: np.ndarray, largest: float) -> tuple[np.ndarray, int]:
+    """Remove the fins, at most a share of the area each; return the rest, and how many there were.
+
+    Sheets are cut at the edges of three or more triangles. A fin is a small sheet with a free edge;
+    at each of its cuts the sheets that are not such have two triangles.
+    """
+    half_edges = HalfEdges(t, len(p))
+    cuts = half_edges.nonmanifold_edges
+    if not len(cuts):
+        return t, 0
+    sheet = component_labels(len(t), half_edges.manifold_links // 3)
+    count = sheet.max() + 1
+    normal = triangle_normals(*p[t.T])
+    area = np.bincount(sheet, np.linalg.norm(normal, axis=1))
+    sides = np.sort(np.column_stack([half_edges.start, half_edges.end]), axis=1)
+    at_cut = np.flatnonzero(rows_in(sides, cuts))
+    fin = np.zeros(count, dtype=bool)
+    fin[sheet[half_edges.free_sides // 3]] = True
+    fin &= (area <= largest * area.sum()) & (np.bincount(sheet[at_cut // 3], minlength=count) > 0)
+    _, cut = np.unique(sides[at_cut], axis=0, return_inverse=True)
+    solid = ~fin[sheet[at_cut // 3]]
+    others = np.bincount(cut.ravel()[solid], minlength=len(cuts))[cut.ravel()]
+    fin[sheet[at_cut // 3][others != _OTHERS]] = False
+    return t[~fin[sheet]], int(fin.sum())
 
 
 def split_free_edges(p: np.ndarray, t: np.ndarray, tolerance: float) -> np.ndarray:

@@ -426,7 +426,7 @@ def test_many_samples_are_cross_validated_in_windows(tmp_path, capsys):
     np.savez(tmp_path / "s.npz", points=points, values=franke(points))
     assert reconstruct(tmp_path / "s.npz", tmp_path / "a.npz", "--grid", "60x50") == 0
     shown = " ".join(capsys.readouterr().out.split())
-    assert "value at 20001 points: error at samples that are held out" in shown
+    assert "value at 20001 points: error at held-out samples" in shown
     assert "Evaluated: pu," in shown
     with np.load(tmp_path / "a.npz") as stored:
         nodes = np.stack(np.meshgrid(stored["x"], stored["y"]), axis=-1)

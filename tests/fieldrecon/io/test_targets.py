@@ -197,7 +197,7 @@ def test_target_tables_need_the_columns_of_the_samples(tmp_path):
     targets = targets_of_table(path, ("x", "y"))
     assert targets.points.tolist() == [[3, 2], [6, 95]]
     assert (targets.kind, targets.shape) == ("points", (2,))
-    assert targets.bad == ((3, "y must be a finite number; got '?'"),)
+    assert targets.bad == ((3, "y must be a finite number; got '?'", 1),)
     assert len(targets_of_table(path, ("x", "y"), lonlat=True).bad) == 2
     with pytest.raises(ValueError, match=r"at\.csv, line 3: y must be a finite number"):
         targets_of_table(path, ("x", "y"), strict=True)

@@ -1,5 +1,6 @@
 """The commands as functions: data in memory, results as tables, pictures, files and pages."""
 
+import re
 import subprocess
 import sys
 
@@ -183,6 +184,83 @@ def test_what_is_no_table_is_refused(data, options, error, words):
         plane(data, **options)
 
 
+# --- several values -------------------------------------------------------------------------------
+
+VECTORS = pd.DataFrame(
+    {
+        "x": POINTS[:, 0],
+        "y": POINTS[:, 1],
+        "east [mm]": np.sin(4 * POINTS[:, 0]),
+        "north [km]": 1e4 * POINTS[:, 1] ** 2 * POINTS[:, 0],
+    }
+)
+BOTH = ["east [mm]", "north [km]"]
+
+
+def test_several_values_are_those_of_single_runs_of_their_method():
+    """Values and errors to rounding; the score is a mean square of residuals per deviation."""
+    both = plane(VECTORS, value=BOTH, method="tps")
+    assert both.predict([0.5, 0.5]).values.shape == (2,)
+    squares = []
+    for k, name in enumerate(BOTH):
+        one = plane(VECTORS, value=name, method="tps")
+        size = abs(VECTORS[name]).max()
+        found, alone = both.result.single(k), one.result
+        np.testing.assert_allclose(found.values, alone.values, rtol=0, atol=1e-9 * size)
+        np.testing.assert_allclose(found.error, alone.error, rtol=1e-6)
+        residuals = both.validations[k].residuals / VECTORS[name].std(ddof=0)
+        squares.append(np.mean(residuals**2))
+    np.testing.assert_allclose(both.scores[0].rms, np.sqrt(np.mean(squares)), rtol=1e-9)
+    assert any("One method was chosen for all values" in w for w in both.warnings)
+
+
+def test_the_method_of_several_values_does_not_depend_on_their_units():
+    """Although one value in metres would outweigh another in kilometres."""
+    scaled = VECTORS.assign(**{BOTH[0]: 1e9 * VECTORS[BOTH[0]]})
+    found = [reconstruct(data, value=BOTH, grid=(3, 2)) for data in (VECTORS, scaled)]
+    assert found[0].method == found[1].method
+    np.testing.assert_allclose(found[0].chosen.rms, found[1].chosen.rms, rtol=1e-6)
+
+
+@pytest.mark.slow
+def test_several_values_are_written_in_columns(tmp_path):
+    """By the command as from Python: in CSV, NPZ, NetCDF and VTK, and on the page."""
+    table = tmp_path / "a.csv"
+    VECTORS.to_csv(table, index=False)
+    given = ["--value", BOTH[0], "--value", BOTH[1], "--grid", "3x2", "--method", "ls1"]
+    folder = tmp_path / "out"
+    out = ["--out", str(folder), "--format", "csv,npz,nc,vtk", "--save", str(tmp_path / "f.npz")]
+    assert main(["reconstruct", str(table), *given, *out]) == 0
+    survey = plane(VECTORS, value=BOTH)
+    made = survey.to_dataframe()
+    assert [*made] == [
+        *("x", "y", "east [mm]", "error of east", "north [km]", "error of north", "extrapolated")
+    ]
+    stored = pd.read_csv(folder / "grid.csv")
+    pd.testing.assert_frame_equal(stored, made, check_dtype=False, check_exact=True)
+    with np.load(folder / "grid.npz") as arrays:
+        assert arrays["values"].shape == arrays["error"].shape == (2, 3, 2)
+    with xr.open_dataset(folder / "grid.nc", engine="scipy") as stored:
+        assert stored.north.attrs["units"] == stored.error_of_north.attrs["units"] == "km"
+        assert stored.east.attrs["ancillary_variables"] == "error_of_east extrapolated"
+    assert b"SCALARS error_of_north double" in (folder / "grid.vtk").read_bytes()
+    page = (folder / "summary.html").read_text(encoding="utf-8")
+    assert page.count("<img") == 10
+    assert "The error of the field: north [km]" in page
+    again = plane(load=tmp_path / "f.npz")
+    pd.testing.assert_frame_equal(again.to_dataframe(), made)
+    assert survey.plot(BOTH[1]).axes[-1].get_ylabel() == "north [km]"
+    with pytest.raises(ValueError, match="there is no value 'up'; there are east"):
+        survey.plot("up")
+
+
+def test_values_may_be_columns_of_an_array():
+    values = np.column_stack([PLANE, -PLANE])
+    survey = plane(POINTS, value=values, sigma=np.linspace(0.1, 0.2, 60))
+    assert survey.samples.value_names == ("value_1", "value_2")
+    np.testing.assert_allclose(survey.predict([0.25, 0.5]).values, [1.25, -1.25])
+
+
 # --- what comes out -------------------------------------------------------------------------------
 
 
@@ -235,12 +313,20 @@ def test_targets_may_be_in_memory():
     np.testing.assert_allclose(plane(FRAME, grid=None, at=POINTS[:4]).result.values, PLANE[:4])
 
 
-def test_bad_rows_of_targets_are_left_out():
-    """With their labels; the rest is in its order."""
+def test_bad_rows_of_targets_are_kept_without_values(tmp_path):
+    """In data frames, CSV and NPZ, so that the rows are those of the table."""
     some = FRAME.iloc[10:16].copy()
     some.iloc[2, 0] = np.nan
     survey = plane(FRAME, grid=None, at=some)
-    assert [*survey.to_dataframe().index] == [10, 11, 13, 14, 15]
+    found = survey.to_dataframe()
+    assert [*found.index] == [*range(10, 16)]
+    assert [*found.index[found["depth [m]"].isna()]] == [12]
+    assert found.loc[13, "extrapolated"] == survey.result.extrapolated[2]
+    lines = survey.write(tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
+    assert [line.startswith(",,,") for line in lines] == [k == 3 for k in range(7)]
+    with np.load(survey.write(tmp_path / "a.npz")) as arrays:
+        assert np.flatnonzero(np.isnan(arrays["values"])).tolist() == [2]
+        assert arrays["points"].shape == (6, 2)
     assert any("1 row is not a point; the first, row 2: east" in w for w in survey.warnings)
 
 
@@ -252,7 +338,7 @@ def test_the_result_describes_itself(tmp_path):
     assert survey.method == "ls1, least squares, plane"
     assert "rms error" in repr(survey.scores[0])
     assert "<SurveyResult" not in (page := survey.report(tmp_path / "a.html").read_text())
-    assert page.count("<img") == 4
+    assert page.count("<img") == 6
     assert "depth [m], reconstructed" in page
     for suffix in ("csv", "npz", "nc", "vtk"):
         assert survey.write(tmp_path / f"a.{suffix}").stat().st_size > 100
@@ -272,6 +358,29 @@ def test_the_command_writes_what_the_function_returns(tmp_path):
     stored, made = pd.read_csv(tmp_path / "b.csv"), plane(FRAME).to_dataframe()
     pd.testing.assert_frame_equal(stored, made, check_dtype=False, check_exact=True)
     pd.testing.assert_frame_equal(plane(table).to_dataframe(), plane(str(table)).to_dataframe())
+
+
+@pytest.mark.slow
+def test_title_units_colors_and_links_are_chosen_by_options(tmp_path):
+    """The page links to every other file; units given by an option replace those of the name."""
+    FRAME.to_csv(tmp_path / "a.csv", index=False)
+    folder = tmp_path / "a folder"
+    look = ["--title", "Depths <1>", "--units", "fathoms", "--colors", "cividis"]
+    to = ["--out", str(folder), "--grid", "3x2", "--method", "ls1"]
+    assert main(["reconstruct", str(tmp_path / "a.csv"), *to, *look]) == 0
+    page = (folder / "summary.html").read_text(encoding="utf-8")
+    assert "<h1>Depths &lt;1&gt;</h1>" in page
+    linked = {*re.findall(r'<a href="([^"]+)" download', page)}
+    assert linked == {file.name for file in folder.iterdir()} - {"summary.html"}
+    survey = plane(FRAME, units="fathoms")
+    assert survey.to_xarray().depth.attrs["units"] == "fathoms"
+    picture = survey.plot(colors="cividis")
+    assert picture.axes[-1].get_ylabel() == "depth [fathoms]"
+    assert picture.axes[0].images[0].get_cmap().name == "cividis"
+    with pytest.raises(ValueError, match="there is no colour map 'rainbows'; there are viridis"):
+        survey.plot(colors="rainbows")
+    with pytest.raises(ValueError, match="units must be 1, one for each value; got m, km"):
+        plane(FRAME, units=["m", "km"])
 
 
 def test_a_saved_field_is_evaluated(tmp_path):

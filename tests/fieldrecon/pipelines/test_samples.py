@@ -160,7 +160,7 @@ def test_latitudes_beyond_the_poles_are_bad_rows(table):
     """This holds only with lonlat=True."""
     path = table("lon,lat,t\n0,0,1\n10,95,1\n")
     assert read_samples(path).bad == ()
-    assert read_samples(path, lonlat=True).bad == ((3, "lat must lie within ±90; got 95"),)
+    assert read_samples(path, lonlat=True).bad == ((3, "lat must lie within ±90; got 95", 1),)
     metres = table("lon,lat,t\n0,0,1\n1000,9,1\n10,2000,1\n")
     with pytest.raises(
         ValueError, match=r"most rows of .* are not degrees .* line 3: lon must lie wi"
@@ -202,9 +202,110 @@ def test_bad_tables_are_refused(table, text, columns, words):
         read_samples(table(text), **columns)
 
 
-def test_tables_in_another_encoding_are_refused(table):
-    with pytest.raises(ValueError, match="is not a text in UTF-8"):
-        read_samples(table("x,y,Höhe\n0,0,1\n", encoding="latin-1"))
+@pytest.mark.parametrize(
+    "encoding", ["latin-1", "cp1252", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "utf-32"]
+)
+def test_tables_may_have_any_usual_encoding(table, encoding):
+    """Names, numbers and the lines of bad rows are those of the text in UTF-8."""
+    text = "x,y,Höhe [m²]\r\n0,1,2\r\n?,0,0\r\n3,4,5\r\n"
+    samples = read_samples(table(text, encoding))
+    assert samples.names == ("x", "y", "Höhe [m²]")
+    assert samples.points.tolist() == [[0, 1], [3, 4]]
+    assert [(row.line, row.row) for row in samples.bad] == [(3, 1)]
+
+
+@pytest.mark.parametrize(
+    ("begin", "words"),
+    [
+        (b"PK\x03\x04xl", "is a spreadsheet or another zip archive; save the table as CSV"),
+        (b"\xd0\xcf\x11\xe0\0", "is a spreadsheet of an old form; save the table as CSV"),
+        (b"\x1f\x8b\x08", "is compressed; unpack it first"),
+        (b"\x89HDF\r\n", "open it with xarray"),
+    ],
+)
+def test_other_files_are_refused_with_the_remedy(tmp_path, begin, words):
+    (tmp_path / "a.dat").write_bytes(begin)
+    with pytest.raises(ValueError, match=words):
+        read_samples(tmp_path / "a.dat")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x;y;value\n0,5;1.234,25;-2,0e1\n1234,5;7;8\n",
+        "x;y;value\n0.5;1,234.25;-20\n1,234.5;7;8\n",
+        "x\ty\tvalue\n0,5\t1 234,25\t-20\n1'234,5\t7\t8\n",
+        "x y value\n0.5 1.23425D+03 -2d1\n1234.5 7D0 8.\n",
+        'x,y,value\n0.5,"1,234.25",-20\n"1,234.5",7,8\n',
+        '"x","y","value"\n"0,5","1234,25","-20"\n"1234,5","7","8"\n',
+        "0,5 1234,25 -20,0\n1234,5 7 8\n",
+        "0,5;1234,25;-20,0\n1234,5;7;8\n",
+        "0.5D0 1234.25 -20\n1234.5 7 8\n",
+    ],
+)
+def test_numbers_are_read_as_they_are_written(table, text):
+    """Decimal commas, grouped digits and Fortran exponents, as the other cells decide."""
+    samples = read_samples(table(text))
+    assert samples.points.tolist() == [[0.5, 1234.25], [1234.5, 7]]
+    assert samples.values.tolist() == [-20, 8]
+    assert samples.bad == ()
+
+
+def test_a_coordinate_that_was_named_as_the_value_is_reported(table):
+    path = table("x,y,height\n0,0,1\n")
+    with pytest.raises(ValueError, match=r"column x of .* was named as value, and no other column"):
+        read_samples(path, value="x")
+
+
+def test_an_ambiguous_comma_is_refused_unless_its_meaning_is_given(table):
+    path = table("x;y;value\n1,234;1;2\n5,678;0;1\n")
+    with pytest.raises(ValueError, match=r"comma in 1,234 marks decimals or thousands.*option dec"):
+        read_samples(path)
+    assert read_samples(path, decimal=",").points[:, 0].tolist() == [1.234, 5.678]
+    assert read_samples(path, decimal=".").points[:, 0].tolist() == [1234, 5678]
+    with pytest.raises(ValueError, match=r"decimal must be '\.' or ','; got ';'"):
+        read_samples(path, decimal=";")
+
+
+@pytest.mark.parametrize("cell", ["1,5", "1,23", "12,34,567", "1.5.0", "1,", "1_000"])
+def test_a_number_in_another_format_is_a_bad_row(table, cell):
+    """In a table of decimal points and commas between thousands no digit is guessed."""
+    samples = read_samples(table(f"x;y;value\n1,234.5;1;2\n1,111.5;1;2\n{cell};0;1\n"))
+    assert [row.line for row in samples.bad] == [4]
+
+
+def test_marks_of_missing_values_are_named_and_left_out(table):
+    """Extreme values that are repeated far from the others, not ends where values accumulate."""
+    numbers = uniform(40, 3, seed=1)
+    numbers[::8, 2], numbers[4::8, 2] = -9999, 1e20
+    path = table("x,y,v\n" + "".join(f"{x},{y},{v}\n" for x, y, v in numbers.tolist()))
+    said = read_samples(path).warnings
+    assert any(s.startswith("v is -9999 5 times, far from all other values, 0.1") for s in said)
+    assert any(s.startswith("v is 1e+20 5 times") for s in said)
+    samples = read_samples(path, missing=[-9999, 1e20])
+    assert len(samples.points) == 30
+    assert samples.warnings == ["10 rows with missing values left out."]
+    numbers[:, 2] = np.clip(numbers[:, 2], 0, 0.1)
+    clipped = table("x,y,v\n" + "".join(f"{x},{y},{v}\n" for x, y, v in numbers.tolist()))
+    assert read_samples(clipped).warnings == []
+    with pytest.raises(ValueError, match=r"every row of .* has a missing value"):
+        read_samples(table("x,y,v\n0,0,-99\n"), missing=-99)
+
+
+def test_marks_in_the_coordinates_are_no_degrees(table):
+    path = table("lon,lat,v\n-9999,1,2\n1,2,3\n400,1,2\n")
+    samples = read_samples(path, missing=-9999, lonlat=True)
+    assert (samples.absent, [row.line for row in samples.bad]) == (1, [4])
+
+
+def test_extents_in_other_units_are_reported(table):
+    points = uniform(20, 2, seed=2)
+    said = [
+        read_samples(table("x,y,v\n" + "".join(f"{a * x},{y},1\n" for x, y in points))).warnings
+        for a in (1e4, 2.0)
+    ]
+    assert "convert one of them" in said[0][0]
+    assert said[1] == []
 
 
 def test_numbers_are_read_to_the_last_digit(table):
@@ -225,7 +326,7 @@ def test_the_result_does_not_depend_on_the_block_size(tmp_path_factory, data, bl
     good = [[float(c) for c in row] for row in rows if "?" not in row]
     bad = [k for k, row in enumerate(rows, 2) if "?" in row]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(_text_tables, "BLOCK_BYTES", block)
+        patch.setattr(_text_tables, "BLOCK_SIZE", block)
         if not good:
             with pytest.raises(ValueError, match="must be a finite number"):
                 read_samples(path)
@@ -246,7 +347,7 @@ def test_the_mean_of_huge_values_does_not_overflow(table):
 
 def test_progress_is_reported_in_bytes(table, monkeypatch):
     """Progress increases to the size of the file."""
-    monkeypatch.setattr(_text_tables, "BLOCK_BYTES", 64)
+    monkeypatch.setattr(_text_tables, "BLOCK_SIZE", 64)
     path = table("x,y,z\n" + "".join(f"{k},{k * k},1\n" for k in range(200)))
     steps = []
     read_samples(path, progress=lambda *step: steps.append(step))
@@ -278,7 +379,7 @@ def test_npz_archives_are_tables(tmp_path):
     space = write_npz(path, points=[[1.0, 2.0, 3.0]], values=[4.0])
     assert read_samples(space, z="z").points.tolist() == [[1, 2, 3]]
     assert read_samples(write_npz(path, x=[0, np.nan], y=[1, 1], value=[2, 2])).bad == (
-        (2, "x must be a finite number; got nan"),
+        (2, "x must be a finite number; got nan", 1),
     )
 
 
@@ -339,7 +440,7 @@ def test_parquet_files_are_tables(tmp_path):
     samples = read_samples(path, progress=lambda *step: steps.append(step))
     assert samples.points.tolist() == [[0, 1], [3, 4]]
     assert samples.values.tolist() == [2, 5]
-    assert samples.bad == ((3, "value must be a finite number; got nan"),)
+    assert samples.bad == ((3, "value must be a finite number; got nan", 2),)
     assert steps[-1] == (3, 3)
     with pytest.raises(ValueError, match="must hold numbers in"):
         read_samples(path, value="name")

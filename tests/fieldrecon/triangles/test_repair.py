@@ -64,6 +64,24 @@ def test_each_planted_error_is_repaired_or_reported(error):
     assert audit_mesh(repaired.points, repaired.triangles).found == repaired.after.found
 
 
+def test_fins_are_removed_and_walls_are_not():
+    """A fin is small and has a free edge; a wall inside a body has none, or is large."""
+    points, triangles = sphere(2)
+    apex = len(points)
+    fin = [[triangles[0][0], triangles[0][1], apex]]
+    repaired = repair_mesh([*points, 1.5 * np.asarray(points)[triangles[0][0]]], [*triangles, *fin])
+    assert repaired.done == {"removed_triangles": 1, "removed_fins": 1, "removed_vertices": 1}
+    assert repaired.after.clean
+    assert np.array_equal(repaired.triangles, triangles)
+    large = repair_mesh([*points, [0, 0, 9.0]], [*triangles, *fin], largest_hole=0.001)
+    assert large.after.found == {"nonmanifold_edges": 1, "boundary_loops": 1}
+    bipyramid = [[1, 0, 0], [0, 1, 0], [-1, -1, 0], [0, 0, 1], [0, 0, -1]]
+    outside = [[0, 1, 3], [1, 2, 3], [2, 0, 3], [1, 0, 4], [2, 1, 4], [0, 2, 4]]
+    walled = repair_mesh(bipyramid, [*outside, [0, 1, 2]], largest_hole=1.0)
+    assert walled.done == {}
+    assert walled.after.found["nonmanifold_edges"] == 3
+
+
 @pytest.mark.parametrize("unit", [2.0**-500, 2.0**1023])
 @pytest.mark.parametrize("error", DONE)
 def test_repair_does_not_depend_on_the_unit(error, unit):

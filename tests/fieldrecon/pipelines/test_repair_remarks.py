@@ -1,0 +1,85 @@
+"""What remains after a repair is explained, and the option that is named helps."""
+
+import re
+
+import numpy as np
+import pytest
+
+from fieldrecon.pipelines import audit
+from fieldreport.experiments.triangles.triangle_shapes import sphere
+
+
+def open_sphere(largest):
+    """A sphere without the triangles around its highest vertices, up to a distance."""
+    points, triangles = map(np.asarray, sphere(3))
+    top = points[points[:, 2].argmax()]
+    return points, triangles[np.linalg.norm(points[triangles].mean(axis=1) - top, axis=1) > largest]
+
+
+def told(mesh, **options):
+    return audit(mesh, repair=True, **options).remarks
+
+
+def test_a_sound_mesh_has_no_remarks():
+    assert told(sphere(1)) == ()
+
+
+def test_the_suggested_share_fills_a_wide_hole():
+    mesh = open_sphere(0.5)
+    (sentence,) = told(mesh, largest_hole=0.01)
+    assert sentence.startswith("1 hole was not filled, since the triangles would have 0.0")
+    share = float(re.search(r"largest-hole, with ([\d.]+),", sentence)[1])
+    assert audit(mesh, repair=True, largest_hole=share).sound()
+
+
+def test_a_long_hole_is_named_with_its_edges():
+    (sentence,) = told(open_sphere(1.2))
+    edges = int(re.match(r"1 hole of (\d+) edges was not filled: a hole of more than", sentence)[1])
+    assert edges > 32
+
+
+def test_the_suggested_tolerance_merges_a_noisy_soup():
+    points, triangles = map(np.asarray, sphere(2))
+    corners = points[triangles].reshape(-1, 3)
+    noisy = corners + 1e-5 * np.random.default_rng(0).standard_normal(corners.shape)
+    mesh = noisy, np.arange(len(corners)).reshape(-1, 3)
+    (sentence,) = told(mesh)
+    tolerance = float(re.search(r"tolerance, with ([\d.e-]+),", sentence)[1])
+    assert audit(mesh, repair=True, tolerance=tolerance).sound()
+
+
+def test_crossing_copies_are_named_on_the_page(tmp_path):
+    points, triangles = map(np.asarray, sphere(1))
+    both = np.vstack([points, points + 0.3]), np.vstack([triangles, triangles + len(points)])
+    found = audit(both, repair=True)
+    (sentence,) = found.remarks
+    assert sentence.startswith(f"{len(found.final.crossings)} crossings of triangles remain")
+    assert sentence in found.report(tmp_path / "a.html").read_text(encoding="utf-8")
+
+
+QUADS = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+
+
+@pytest.fixture
+def textured(tmp_path):
+    """A cube of six quads with more texture coordinates than vertices, as OBJ."""
+    corners = [f"v {x} {y} {z}" for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    texture = [f"vt {k / 14} 0.5" for k in range(14)] + ["vn 0 0 1"] * 6
+    faces = [
+        "f " + " ".join(f"{v}/{(k + i) % 14 + 1}/{i + 1}" for k, v in enumerate(quad))
+        for i, quad in enumerate(QUADS)
+    ]
+    path = tmp_path / "cube.obj"
+    path.write_text("\n".join([*corners, *texture, *faces]))
+    return path
+
+
+def test_quads_are_divided_on_request(textured):
+    """Also of a textured OBJ; without the request the message names it."""
+    with pytest.raises(
+        ValueError, match=r"holds quad cells.*; the option triangulate divides them"
+    ):
+        audit(textured)
+    found = audit(textured, triangulate=True)
+    assert found.sound()
+    assert (len(found.points), len(found.triangles)) == (8, 12)
