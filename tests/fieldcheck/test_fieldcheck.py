@@ -95,6 +95,11 @@ def last_wrong(x):
         (last_wrong, "wrong", r"twice the sum\. For \d numbers, entry \[\d\] is off by 1, where"),
         (lambda x: 2 * x, "right", ""),
         (lambda x: tuple(2 * x), "right", ""),
+        (lambda x: np.matrix(2 * x), "right", r"But twice returns an np\.matrix, "),
+        (lambda x: np.matrix(2 * x).T, "right", r"But twice returns an np\.matrix, "),
+        (lambda x: np.matrix(2 * x)[:, :-1], "shape", r"shape \(1, 4\)"),
+        (lambda x: [2 * t for t in x.reshape(-1, 1, 1)], "shape", r"shape \(5, 1, 1\)"),
+        (lambda x: tuple(2 * t for t in x.reshape(-1, 1, 1)), "right", ""),
         (lambda x: 2 * x + 0j, "right", ""),
     ],
 )
@@ -233,6 +238,25 @@ def test_warnings_do_not_affect_the_verdict():
     """A division by zero whose result is replaced is not an error."""
     verdict = verdict_of(lambda x: np.where(x == x, 2 * x, x / 0), known())
     assert verdict.right
+
+
+ROWS = replace(
+    TWICE,
+    inputs=lambda seed: tuple(replace(c, arguments=(c.arguments[0][None],)) for c in inputs(seed)),
+)
+
+
+@pytest.mark.parametrize(
+    ("pack", "finding"),
+    [(tuple, "right"), (np.matrix, "right"), (list, "right"), (np.sum, "shape")],
+)
+def test_one_row_has_two_axes_in_every_container(pack, finding):
+    """An array without its first axis is refused, but a tuple or a list of its only row is not."""
+    made = ROWS.inputs(0)
+    outcomes = perform({"twice": lambda x: pack(2 * x)}, made, 600)
+    assert judge(ROWS, made, outcomes).finding == finding
+    squeezed = perform({"twice": lambda x: 2 * x[0]}, made, 600)
+    assert judge(ROWS, made, squeezed).finding == "shape"
 
 
 def test_equivalent_containers_are_accepted():
