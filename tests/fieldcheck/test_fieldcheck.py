@@ -1,11 +1,13 @@
 """The first finding in the order of the checks is reported, with a sentence."""
 
+import io
 import json
 import re
 import sys
 import time
 from dataclasses import replace
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 
@@ -450,6 +452,36 @@ def test_start_over_prints_the_stub_outside_a_notebook(capsys):
 def test_html_in_an_exception_is_escaped():
     shown = Verdict("01.1", "exception", "<script>alert(1)</script>")._repr_html_()
     assert "<script>" not in shown
+
+
+@pytest.mark.parametrize("count", [90, 9000])
+def test_artists_with_many_points_are_images_and_the_rest_are_paths(count):
+    """A picture of ten thousand points takes up as little space as one of a thousand."""
+    x, y = np.random.default_rng(0).random((2, count))
+    with figures.figure(3, 2) as page:
+        axes = page.subplots()
+        axes.scatter(x, y, c=y, s=4)
+        axes.plot(x[:50], y[:50])
+    text = figures.svg(page)
+    assert ("<image" in text) == (count > 1000)
+    assert 'id="line2d_1"' in text
+    assert len(text) < 150_000
+
+
+def test_paths_are_one_line_with_three_decimals():
+    """The numbers are those of Matplotlib to a thousandth of a point."""
+    with figures.figure(3, 2) as page:
+        page.subplots().plot(np.linspace(0, 1, 40), np.sin(np.linspace(0, 9, 40)))
+    file = io.StringIO()
+    with mpl.rc_context(figures.STYLE):
+        page.savefig(file, format="svg")
+    paths = [re.findall(r' d="([^"]*)"', text) for text in (figures.svg(page), file.getvalue())]
+    assert paths[0]
+    for short, long in zip(*paths, strict=True):
+        assert "\n" not in short
+        assert not re.search(r"\.\d{4}", short)
+        numbers = [np.array(re.findall(r"-?\d+\.?\d*", path), float) for path in (short, long)]
+        np.testing.assert_allclose(*numbers, atol=1e-3)
 
 
 def test_pictures_are_reproducible():
