@@ -242,10 +242,10 @@ print("H c for c = (0, 5/2):", three_h @ np.array([0.0, 2.5]))
 #
 # <details><summary>Hint</summary>
 #
-# Build $\mathbf{B}$ first: a column of ones, then the columns of the points. Avoid the $N \times N$
-# matrix $\mathbf{W}$. Multiplication by a diagonal matrix from the left multiplies each row by a
-# number. NumPy does the same by broadcasting: an array of shape $(N, 1)$ multiplies the rows of an
-# array of shape $(N, D + 1)$.
+# Build $\mathbf{B}$ of 01.1 first: a column of ones, then the columns of the points. Avoid the $N
+# \times N$ matrix $\mathbf{W}$. Multiplication by a diagonal matrix from the left multiplies each
+# row by a number. NumPy does the same by broadcasting: an array of shape $(N, 1)$ multiplies the
+# rows of an array of shape $(N, D + 1)$.
 #
 # </details>
 

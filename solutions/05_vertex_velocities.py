@@ -504,7 +504,8 @@ def rings_around(vertex):
 #
 # ### 05.7 The matrix
 #
-# Write $\mathbf{B}'$ of (5.6). It is your matrix of 04.1 for the points $\mathbf{y}_a$.
+# Write $\mathbf{B}'$ of (5.6). It is the matrix of 04.1 for the points $\mathbf{y}_a$; if you have
+# written 04.1, you may adapt your function.
 
 
 # %% question="05.7" minutes=10

@@ -150,7 +150,8 @@ check("07.1")
 #
 # Write a function that returns the circumcentre of a triangle. It must keep its accuracy for
 # triangles far from the origin. The equations (7.2) look quadratic, but squared and expanded around
-# one corner they are two linear equations, because the square of the unknown cancels.
+# one corner they are two linear equations, because the square of the unknown cancels. If you have
+# written 06.4, you may adapt your function: it is the same point, from three corners.
 #
 # <details><summary>Hint</summary>
 #

@@ -53,6 +53,7 @@ from fieldcheck import (
     progress,
     start_over,
 )
+from fieldcheck.given import distances, saddle_point_matrix
 
 # %% [markdown]
 # ## The kernels
@@ -68,9 +69,11 @@ from fieldcheck import (
 # So $\varphi_1 = -r$, $\varphi_2 = r^2\log r$ (the thin-plate spline), $\varphi_3 = r^3$,
 # $\varphi_4 = -r^4\log r$, $\varphi_5 = -r^5$. The signs make the quadratic form (9.5) positive.
 #
-# The next cell has two finished functions: the kernels, and the distances between two sets of
-# points. Use both in your answers. They also show the style of this notebook: a docstring with the
-# shapes, whole arrays, and no loop over points.
+# The next cell has a finished function, the kernels. It also shows the style of this notebook: a
+# docstring with the shapes, whole arrays, and no loop over points. Two functions of notebook 03 are
+# ready-made, and the first cell imports them. `distances(x, points)` returns $\lVert\mathbf{x}_i -
+# \mathbf{p}_j\rVert$, of shape $(M, N)$, for `x` $(M, D)$ and `points` $(N, D)$. The other one,
+# `saddle_point_matrix`, is needed below. Use all three in your answers.
 
 
 # %% tags=["setup"]
@@ -79,11 +82,6 @@ def kernel(r, k):
     if k % 2:
         return (-1) ** ((k + 1) // 2) * r**k
     return (-1) ** (k // 2 + 1) * r**k * np.log(np.where(r > 0, r, 1))
-
-
-def distances(x, points):
-    """Return |x_i - p_j|, of shape (M, N), for x (M, D) and points (N, D)."""
-    return np.linalg.norm(x[:, None] - points, axis=-1)
 
 
 # %% [markdown]
@@ -144,6 +142,9 @@ def kernels_alone(side):
 # $$ \begin{bmatrix} \mathbf{A} & \mathbf{P} \\ \mathbf{P}^T & \mathbf{0} \end{bmatrix}
 #    \begin{bmatrix} \boldsymbol{\lambda} \\ \mathbf{c} \end{bmatrix} =
 #    \begin{bmatrix} \mathbf{v} \\ \mathbf{0} \end{bmatrix} . \tag{9.3} $$
+#
+# It is the system of notebook 03 for other kernels and polynomials. `saddle_point_matrix(A, P)`
+# returns its matrix, also for a $\mathbf{P}$ without columns.
 #
 # ## A worked example
 #
@@ -404,7 +405,8 @@ def six_points(out):
 # ### 09.4 The interpolating field
 #
 # Write a function that solves (9.3) and evaluates (9.2) at the points $\mathbf{x}$. The power $k$
-# and the degree $n$ are arguments. For $n = -1$ there is no polynomial.
+# and the degree $n$ are arguments. For $n = -1$ there is no polynomial. `saddle_point_matrix`
+# combines the two blocks of the matrix; you state the blocks and the right side.
 #
 # <details><summary>Hint</summary>
 #
@@ -420,10 +422,8 @@ def interpolate(points, values, k, degree, x):
     # BEGIN SOLUTION
     n = len(points)
     p = monomials(points, degree)
-    q = p.shape[1]
-    a = kernel(distances(points, points), k)
-    system = np.block([[a, p], [p.T, np.zeros((q, q))]])
-    unknown = np.linalg.solve(system, np.concatenate([values, np.zeros(q)]))
+    system = saddle_point_matrix(kernel(distances(points, points), k), p)
+    unknown = np.linalg.solve(system, np.concatenate([values, np.zeros(p.shape[1])]))
     return kernel(distances(x, points), k) @ unknown[:n] + monomials(x, degree) @ unknown[n:]
     # END SOLUTION
 

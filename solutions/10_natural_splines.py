@@ -55,6 +55,7 @@ from fieldcheck import (
     progress,
     start_over,
 )
+from fieldcheck.given import saddle_point_matrix
 
 # %% [markdown]
 # ## The problem in a picture
@@ -219,8 +220,10 @@ def two_sums(middle):
 #
 # ### 10.2 The spline by distances
 #
-# Write a function that solves (10.5). The sites may come in any order, since no equation of the
-# system depends on it.
+# The matrix of (10.5) has the form that notebook 03 explains. `saddle_point_matrix(A, P)` is
+# ready-made and combines the blocks. What are $\mathbf{A}$ and $\mathbf{P}$ for sites on a line?
+# Write a function that solves (10.5) and separates $\mathbf{a}$ from $\mathbf{b}$. The sites may
+# come in any order, since no equation of the system depends on it.
 
 
 # %% question="10.2" minutes=20
@@ -230,8 +233,7 @@ def radial_spline(sites, values):
     n = len(sites)
     p = np.stack([np.ones(n), sites], axis=1)
     kernel = np.abs(sites[:, np.newaxis] - sites) ** 3
-    system = np.block([[kernel, p], [p.T, np.zeros((2, 2))]])
-    unknown = np.linalg.solve(system, np.append(values, [0, 0]))
+    unknown = np.linalg.solve(saddle_point_matrix(kernel, p), np.append(values, [0, 0]))
     return unknown[:n], unknown[n:]
     # END SOLUTION
 

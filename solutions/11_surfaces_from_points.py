@@ -52,6 +52,7 @@ from fieldcheck import (
     start_over,
 )
 from fieldcheck.datasets import kleopatra
+from fieldcheck.given import distances, saddle_point_matrix
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
@@ -480,6 +481,11 @@ check("11.4")
 # the same kind of system as in notebook 03.
 #
 # ### 11.5 The coefficients
+#
+# Two functions of notebook 03 are ready-made: `distances(x, points)` returns all distances, of
+# shape $(M, N)$, and `saddle_point_matrix(A, P)` the matrix of (11.8). State $\mathbf{A}$ and
+# $\mathbf{P}$ for sites in the plane or in space, solve (11.8), and separate $\boldsymbol\lambda$
+# from $\mathbf{c}$.
 
 
 # %% question="11.5" minutes=15
@@ -488,8 +494,7 @@ def implicit(sites, values):
     # BEGIN SOLUTION
     n, d = sites.shape
     p = np.column_stack([np.ones(n), sites])
-    a = np.linalg.norm(sites[:, np.newaxis] - sites, axis=2) ** 3
-    matrix = np.block([[a, p], [p.T, np.zeros((d + 1, d + 1))]])
+    matrix = saddle_point_matrix(distances(sites, sites) ** 3, p)
     solution = np.linalg.solve(matrix, np.append(values, np.zeros(d + 1)))
     return solution[:n], solution[n:]
     # END SOLUTION

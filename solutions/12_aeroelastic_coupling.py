@@ -54,6 +54,7 @@ from fieldcheck import (
     progress,
     start_over,
 )
+from fieldcheck.given import distances, saddle_point_matrix
 
 # %% [markdown]
 # ## Two meshes of one wing
@@ -119,23 +120,15 @@ def the_problem(bend, twist):
 # with $\Phi_{ij} = \lVert \mathbf{x}_i - \mathbf{x}_j \rVert^3$ and the rows $(1, \mathbf{x}_i^T)$
 # of $\mathbf{P}$. On a line, $s_u$ is the natural cubic spline: the shape of a thin beam that is
 # held at the nodes. The matrix depends on the nodes alone. It is the saddle-point system of
-# notebook 03, and also of the questions 11.5 and 13.5, so it is written for you:
+# notebook 03, so it is written for you. Two ready-made functions help: `distances(x, points)`
+# returns all distances, of shape $(M, N)$, and `saddle_point_matrix` combines the blocks.
 
 
 # %% tags=["setup"]
-def distances(a, b):
-    """Return the distances from each point of a (M, D) to each of b (N, D), of shape (M, N)."""
-    return np.linalg.norm(a[:, None] - b, axis=2)
-
-
 def system(nodes):
     """Return the matrix of (12.1), of shape (N + D + 1, N + D + 1), for nodes (N, D)."""
-    n, d = nodes.shape
-    matrix = np.zeros((n + d + 1,) * 2)
-    matrix[:n, :n] = distances(nodes, nodes) ** 3
-    matrix[:n, n] = matrix[n, :n] = 1
-    matrix[:n, n + 1 :], matrix[n + 1 :, :n] = nodes, nodes.T
-    return matrix
+    linear = np.insert(nodes, 0, 1, axis=1)
+    return saddle_point_matrix(distances(nodes, nodes) ** 3, linear)
 
 
 # %% [markdown]

@@ -55,6 +55,7 @@ from fieldcheck import (
     progress,
     start_over,
 )
+from fieldcheck.given import distances, saddle_point_matrix
 
 # %% [markdown]
 # ## Transport along particle paths
@@ -355,18 +356,15 @@ def orders():
 #    \rVert^3, 1, \mathbf{y}^T\bigr)^T, \tag{13.7} $$
 #
 # with $\Phi_{ab} = \lVert \mathbf{z}_a - \mathbf{z}_b \rVert^3$ and the rows $(1, \mathbf{z}_a^T)$
-# of $\mathbf{P}$. All other weights are zero. The matrix of (13.7) is given:
+# of $\mathbf{P}$. All other weights are zero. The matrix of (13.7) is that of notebook 12, so it is
+# written for you. `distances(x, points)`, which returns all distances, is ready-made, too.
 
 
 # %% tags=["setup"]
 def system(z):
     """Return the matrix of (13.7), of shape (k + D + 1, k + D + 1), for sites z (k, D)."""
-    k, d = z.shape
-    matrix = np.zeros((k + d + 1,) * 2)
-    matrix[:k, :k] = np.linalg.norm(z[None] - z[:, None], axis=-1) ** 3
-    matrix[:k, k] = matrix[k, :k] = 1
-    matrix[:k, k + 1 :], matrix[k + 1 :, :k] = z, z.T
-    return matrix
+    linear = np.insert(z, 0, 1, axis=1)
+    return saddle_point_matrix(distances(z, z) ** 3, linear)
 
 
 # %% [markdown]

@@ -449,6 +449,15 @@ def of_the_extreme_values(sites, u, feet):
 
 
 @answers("13.8")
+def zero_counted_among_the_values(sites, u, feet):
+    """Zero is counted as if it were a fifth value, so the lower bound is never positive and the
+    upper one never negative. Where does the search for the smallest and the largest value begin?
+    """
+    near = u[around(sites, feet, 4)]
+    return np.minimum(near.min(axis=1), 0), np.maximum(near.max(axis=1), 0)
+
+
+@answers("13.8")
 def four_farthest(sites, u, feet):
     """The four sites farthest from the foot were used. Sorting gives the smallest
     distances first.

@@ -27,6 +27,10 @@ Values = tuple[np.ndarray, ...]
 MOST_ARRAYS = 4
 """No function of the course returns more arrays."""
 
+MATRIX = "an np.matrix"
+LIST = "a list"
+ONE_ROW = "a tuple of one row"
+
 
 @dataclass(frozen=True)
 class Call:
@@ -75,7 +79,7 @@ class Outcome:
     values : tuple of ndarray, optional
         The returned values: several arrays for a tuple, else one; None if they are not numeric.
     returned : str
-        A description of the returned object, if it is not an array.
+        A description of the returned object, if it is not an array or a tuple of several arrays.
     error : str
         Type and message of the exception.
     line : str
@@ -131,7 +135,7 @@ def _perform_one(function: Callable[..., Any] | None, call: Call, limit: float) 
     return Outcome(
         "returned",
         values=values,
-        returned=_kind(result) if values is None or isinstance(result, list) else "",
+        returned=_kind(result, values),
         seconds=time.perf_counter() - start,
         modified=tuple(
             i
@@ -144,7 +148,8 @@ def _perform_one(function: Callable[..., Any] | None, call: Call, limit: float) 
 def as_arrays(result: object) -> Values | None:
     """Return a result as arrays, or None if it is not numeric.
 
-    A tuple holds several arrays, as does a short list that is not rectangular.
+    A tuple holds several arrays, as does a short list, or array of objects, that is not
+    rectangular.
 
     Examples
     --------
@@ -158,8 +163,9 @@ def as_arrays(result: object) -> Values | None:
     (array([1., 2.]),)
     """
     parts = result if isinstance(result, tuple) else (result,)
-    if isinstance(result, list) and len(result) <= MOST_ARRAYS and _as_array(result) is None:
-        parts = tuple(result)
+    is_row = isinstance(result, list) or (isinstance(result, np.ndarray) and result.ndim == 1)
+    if is_row and len(result) <= MOST_ARRAYS and _as_array(result) is None:  # type: ignore[arg-type]
+        parts = tuple(result)  # type: ignore[arg-type]
     arrays = tuple(_as_array(part) for part in parts)
     return None if not arrays or any(array is None for array in arrays) else arrays  # type: ignore[return-value]
 
@@ -174,13 +180,20 @@ def _as_array(part: object) -> np.ndarray | None:
     return array if array.dtype.kind in "biufc" else None
 
 
-def _kind(result: object) -> str:
+def _kind(result: object, values: Values | None) -> str:
+    """Describe a result that is not numeric, or that is packed in an unusual way."""
     if result is None:
         return "nothing (None), as a function without `return` does"
+    if values is None and isinstance(result, list):
+        return "a list that is not a rectangular array of numbers"
+    if values is None:
+        return f"an object of type {type(result).__name__}"
+    parts = result if isinstance(result, tuple | list) else (result,)
+    if any(isinstance(part, np.matrix) for part in parts):
+        return MATRIX
     if isinstance(result, list):
-        ragged = as_arrays(result) is None
-        return "a list that is not a rectangular array of numbers" if ragged else "a list"
-    return f"an object of type {type(result).__name__}"
+        return LIST
+    return ONE_ROW if isinstance(result, tuple) and len(result) == 1 else ""
 
 
 def _same(now: Any, before: Any) -> bool:

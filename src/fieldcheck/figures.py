@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import io
 import os
+import re
 import sys
 import traceback
 from collections.abc import Callable, Iterator
@@ -14,10 +15,19 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import Collection
 from matplotlib.figure import Figure
 
 STATIC = "FIELDCHECK_STATIC"
 """Environment variable: any value disables the sliders."""
+
+MOST_VERTICES = 4000
+"""An artist with more vertices is an image in the SVG, which would otherwise take up megabytes."""
+DOTS_PER_INCH = 160
+"""The resolution of these images."""
+
+PATH = re.compile(r' d="[^"]*"')
+LONG_DECIMAL = re.compile(r"(\.\d{3})\d+")
 
 BLUE, ORANGE, PURPLE, GREEN, GREY = "#2a78bb", "#c48600", "#5f1049", "#2a6428", "#8a8a8a"
 """Colours that the colour-blind can distinguish, with different lightness in grey."""
@@ -57,10 +67,26 @@ def figure(width: float = 6.4, height: float = 3.6) -> Iterator[Figure]:
 def svg(page: Figure) -> str:
     """Return a figure as SVG, with the same bytes each time."""
     file = io.StringIO()
+    for artist in page.findobj(Collection):
+        artist.set_rasterized(_vertices(artist) > MOST_VERTICES)
     with mpl.rc_context(STYLE):
-        page.savefig(file, format="svg", metadata={"Date": None, "Creator": None})
+        page.savefig(
+            file, format="svg", dpi=DOTS_PER_INCH, metadata={"Date": None, "Creator": None}
+        )
     text = file.getvalue()
-    return text[text.index("<svg") :].strip()
+    return PATH.sub(_short_path, text[text.index("<svg") :].strip())
+
+
+def _short_path(path: re.Match[str]) -> str:
+    """Return a path in one line, its coordinates cut to a thousandth of a point."""
+    return LONG_DECIMAL.sub(r"\1", path[0]).replace("\n", "")
+
+
+def _vertices(artist: Any) -> int:
+    """Return the number of vertices of a collection, counted for each position of its paths."""
+    paths = artist.get_paths()
+    drawn = max(len(paths), len(artist.get_offsets()), 1)
+    return drawn * sum(len(path.vertices) for path in paths) // max(len(paths), 1)
 
 
 @dataclass(frozen=True)

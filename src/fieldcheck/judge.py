@@ -10,10 +10,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from fieldcheck.answers import Answers
-from fieldcheck.calls import Call, Outcome, Values
+from fieldcheck.calls import LIST, MATRIX, Call, Outcome, Values
 from fieldcheck.patterns import are_truth_values, pattern
 from fieldcheck.question import LEAST_TOLERANCE, Law, Question, scale
-from fieldcheck.shapes import fitted, in_words, shape_in_words
+from fieldcheck.shapes import fitted, in_words, shape_in_words, without_extra_axes
 from fieldcheck.verdict import FINDINGS, Finding, Verdict
 
 TIMEOUT_FACTOR = 4.0
@@ -42,6 +42,10 @@ def judge(
     answers : Answers, optional
         The known answers to these calls. Without them only the laws of the question are checked.
     """
+    outcomes = [
+        without_extra_axes(outcome, question.shapes(call))
+        for call, outcome in zip(calls, outcomes, strict=True)
+    ]
     failures = list(_failures(question, calls, outcomes, answers))
     if not failures:
         return Verdict(question.name, "right", _note(question, calls, outcomes))
@@ -54,8 +58,13 @@ def judge(
 
 
 def _note(question: Question, calls: Sequence[Call], outcomes: Sequence[Outcome]) -> str:
-    """Return a hint on a right answer that is a list rather than an array."""
-    listed = any(outcome.returned for outcome in outcomes)
+    """Return a hint on a right answer that is a list, or a matrix, rather than an array."""
+    if any(outcome.returned == MATRIX for outcome in outcomes):
+        return (
+            f"But {question.function} returns {MATRIX}, for which * is the product of matrices, "
+            "and which always has two axes. Where it is used below, use np.array(…) instead."
+        )
+    listed = any(outcome.returned == LIST for outcome in outcomes)
     if not listed or any(len(question.shapes(call)) > 1 for call in calls):
         return ""
     return (

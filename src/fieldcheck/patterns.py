@@ -88,7 +88,7 @@ def pattern(
     if not wrong:
         return ""
     arithmetic = () if are_truth_values(right) else (_zero, _factor, _signs, _offset)
-    kinds = (*arithmetic, _outputs, _order, _positions)
+    kinds = (_single_precision, *arithmetic, _outputs, _order, _positions)
     found = next(filter(None, (kind(wrong) for kind in kinds)), "")
     return " ".join(filter(None, (_where(cases, wrong), found)))
 
@@ -103,6 +103,18 @@ def _where(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
     if len(wrong) == 1 < len(cases):
         return f"Your values are wrong only for {wrong[0].name}."
     return f"Your values are right only for {right[0]}." if len(right) == 1 else ""
+
+
+def _single_precision(wrong: Sequence[Case]) -> str:
+    """Recognise right values that are rounded to float32."""
+    close = all(
+        (np.abs(v - r) <= 1e-4 * scale(r)).all() and (v.astype(np.float32) == v).all()
+        for case in wrong
+        for v, r in case.pairs
+    )
+    if not close:
+        return ""
+    return "The wrong values have the seven digits of float32: compute with float64."
 
 
 def _zero(wrong: Sequence[Case]) -> str:

@@ -3,10 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from fieldcheck.calls import Values
+from fieldcheck.calls import MATRIX, ONE_ROW, Outcome, Values
+
+
+def without_extra_axes(outcome: Outcome, shapes: Sequence[tuple[int, ...]]) -> Outcome:
+    """Return an outcome in the expected shapes, if only its type has changed the number of axes.
+
+    An ``np.matrix`` has two axes, also for a vector. A tuple of the rows of an array is an array
+    without its first axis, if there is only one row. An array with a superfluous axis is not
+    changed: it would stop the arithmetic of the notebook.
+
+    Examples
+    --------
+    >>> row = Outcome("returned", (np.array([[1.0, 2.0]]),), returned=MATRIX)
+    >>> without_extra_axes(row, [(2,)]).values
+    (array([1., 2.]),)
+    """
+    if outcome.values is None or outcome.returned not in (MATRIX, ONE_ROW):
+        return outcome
+    values = fitted(outcome.values, shapes)
+    if [_long_axes(v.shape) for v in values] != [_long_axes(shape) for shape in shapes]:
+        return outcome
+    pairs = zip(values, shapes, strict=True)
+    return replace(outcome, values=tuple(v.reshape(shape) for v, shape in pairs))
+
+
+def _long_axes(shape: tuple[int, ...]) -> list[int]:
+    return [length for length in shape if length != 1]
 
 
 def fitted(values: Values, shapes: Sequence[tuple[int, ...]]) -> Values:
@@ -23,7 +50,8 @@ def fitted(values: Values, shapes: Sequence[tuple[int, ...]]) -> Values:
     (array(1.),)
     """
     if len(shapes) == 1 and len(values) > 1 and len({v.shape for v in values}) == 1:
-        values = (np.stack(values),)
+        numbers = all(v.size == 1 for v in values) and len(shapes[0]) == 1
+        values = (np.concatenate([v.ravel() for v in values]) if numbers else np.stack(values),)
     elif len(shapes) > 1 and len(values) == 1 and values[0].shape[:1] == (len(shapes),):
         values = tuple(values[0])
     if len(values) == len(shapes):

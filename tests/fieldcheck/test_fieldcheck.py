@@ -1,11 +1,13 @@
 """The first finding in the order of the checks is reported, with a sentence."""
 
+import io
 import json
 import re
 import sys
 import time
 from dataclasses import replace
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 
@@ -95,6 +97,11 @@ def last_wrong(x):
         (last_wrong, "wrong", r"twice the sum\. For \d numbers, entry \[\d\] is off by 1, where"),
         (lambda x: 2 * x, "right", ""),
         (lambda x: tuple(2 * x), "right", ""),
+        (lambda x: np.matrix(2 * x), "right", r"But twice returns an np\.matrix, "),
+        (lambda x: np.matrix(2 * x).T, "right", r"But twice returns an np\.matrix, "),
+        (lambda x: np.matrix(2 * x)[:, :-1], "shape", r"shape \(1, 4\)"),
+        (lambda x: [2 * t for t in x.reshape(-1, 1, 1)], "shape", r"shape \(5, 1, 1\)"),
+        (lambda x: tuple(2 * t for t in x.reshape(-1, 1, 1)), "right", ""),
         (lambda x: 2 * x + 0j, "right", ""),
     ],
 )
@@ -233,6 +240,25 @@ def test_warnings_do_not_affect_the_verdict():
     """A division by zero whose result is replaced is not an error."""
     verdict = verdict_of(lambda x: np.where(x == x, 2 * x, x / 0), known())
     assert verdict.right
+
+
+ROWS = replace(
+    TWICE,
+    inputs=lambda seed: tuple(replace(c, arguments=(c.arguments[0][None],)) for c in inputs(seed)),
+)
+
+
+@pytest.mark.parametrize(
+    ("pack", "finding"),
+    [(tuple, "right"), (np.matrix, "right"), (list, "right"), (np.sum, "shape")],
+)
+def test_one_row_has_two_axes_in_every_container(pack, finding):
+    """An array without its first axis is refused, but a tuple or a list of its only row is not."""
+    made = ROWS.inputs(0)
+    outcomes = perform({"twice": lambda x: pack(2 * x)}, made, 600)
+    assert judge(ROWS, made, outcomes).finding == finding
+    squeezed = perform({"twice": lambda x: 2 * x[0]}, made, 600)
+    assert judge(ROWS, made, squeezed).finding == "shape"
 
 
 def test_equivalent_containers_are_accepted():
@@ -426,6 +452,36 @@ def test_start_over_prints_the_stub_outside_a_notebook(capsys):
 def test_html_in_an_exception_is_escaped():
     shown = Verdict("01.1", "exception", "<script>alert(1)</script>")._repr_html_()
     assert "<script>" not in shown
+
+
+@pytest.mark.parametrize("count", [90, 9000])
+def test_artists_with_many_points_are_images_and_the_rest_are_paths(count):
+    """A picture of ten thousand points takes up as little space as one of a thousand."""
+    x, y = np.random.default_rng(0).random((2, count))
+    with figures.figure(3, 2) as page:
+        axes = page.subplots()
+        axes.scatter(x, y, c=y, s=4)
+        axes.plot(x[:50], y[:50])
+    text = figures.svg(page)
+    assert ("<image" in text) == (count > 1000)
+    assert 'id="line2d_1"' in text
+    assert len(text) < 150_000
+
+
+def test_paths_are_one_line_with_three_decimals():
+    """The numbers are those of Matplotlib to a thousandth of a point."""
+    with figures.figure(3, 2) as page:
+        page.subplots().plot(np.linspace(0, 1, 40), np.sin(np.linspace(0, 9, 40)))
+    file = io.StringIO()
+    with mpl.rc_context(figures.STYLE):
+        page.savefig(file, format="svg")
+    paths = [re.findall(r' d="([^"]*)"', text) for text in (figures.svg(page), file.getvalue())]
+    assert paths[0]
+    for short, long in zip(*paths, strict=True):
+        assert "\n" not in short
+        assert not re.search(r"\.\d{4}", short)
+        numbers = [np.array(re.findall(r"-?\d+\.?\d*", path), float) for path in (short, long)]
+        np.testing.assert_allclose(*numbers, atol=1e-3)
 
 
 def test_pictures_are_reproducible():

@@ -46,6 +46,11 @@ def square(a):
     [
         (lambda a: a, ""),
         (lambda a: a * (1 + 1e-13), ""),
+        (
+            lambda a: a.astype(np.float32),
+            "The wrong values have the seven digits of float32: compute with float64.",
+        ),
+        (lambda a: a + 1e-7 * np.cos(a), ""),
         (np.zeros_like, "The wrong values are all zero."),
         (lambda a: -a, "The wrong values are the right ones with the opposite sign."),
         (lambda a: a / 2, "The wrong values are the right ones times 1/2."),

@@ -14,8 +14,8 @@ EPS = float(np.finfo(float).eps)
 
 
 def cloud(random: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """Return n random points in the unit square or cube."""
-    return random.random((n, d))
+    """Return n random points in the unit square, or in a cube around the origin."""
+    return random.random((n, d)) - (0.4 if d == 3 else 0)
 
 
 # 01.1 The matrix B

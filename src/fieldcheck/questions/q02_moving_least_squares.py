@@ -82,7 +82,7 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
     corner = random.random((3, 2)) + np.array([[0, 0], [2, 0], [0, 2]])
     cases = (
         (random.random((12, 2)), "twelve points in the plane"),
-        (random.random((20, 3)), "twenty points in space"),
+        (random.random((20, 3)) - 0.4, "twenty points in space"),
         (corner, "three points in the plane"),
     )
     return tuple(
@@ -169,9 +169,9 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
         ),
         (
             (
-                random.random((6, 3)),
+                random.random((6, 3)) - 0.4,
                 random.normal(size=6),
-                random.random(3),
+                random.random(3) - 0.8,
                 0.5,
                 random.normal(size=4),
             ),
@@ -205,7 +205,8 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
     """
     random = np.random.default_rng(seed)
     p, v = random.random((20, 2)), random.normal(size=20)
-    space, data, y = random.random((25, 3)), random.normal(size=25), random.random((3, 3))
+    space, data = random.random((25, 3)) - 0.4, random.normal(size=25)
+    y = random.random((3, 3)) - 0.4
     circle = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
     x = 0.5 + 0.1 * np.column_stack([circle.real, circle.imag])
     slopes = np.array([1.5, -2.0])
@@ -266,7 +267,7 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
         ((2 * points, 2 * places, 2, 0.2), "all points twice as far apart"),
         ((points, places, 3, 0.05), "n = 3"),
         (
-            (points[:30], random.random((25, 2)), 5, 0.3),
+            (points[:30] - 0.4, random.random((25, 2)) - 0.4, 5, 0.3),
             "thirty points, twenty-five evaluation points and n = 5",
         ),
     )
@@ -301,7 +302,7 @@ def leave_one_out_inputs(seed: int) -> tuple[Call, ...]:
             (p, v + affine(p, np.array([1.5, -2.0])), 0.3),
             "the same values plus those of an affine field",
         ),
-        ((random.random((14, 3)), random.normal(size=14), 0.6), "fourteen points in space"),
+        ((random.random((14, 3)) - 0.4, random.normal(size=14), 0.6), "fourteen points in space"),
     )
 
 

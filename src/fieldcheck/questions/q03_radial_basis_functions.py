@@ -18,13 +18,14 @@ STEP = 1e-30
 
 
 def cloud(random: np.random.Generator, n: int, d: int) -> np.ndarray:
-    """Return n points of the unit square or cube, one in each of n cells of a grid, so that no two
-    are close together.
+    """Return n points of the unit square, or of a cube around the origin.
+
+    Each is in one of n cells of a grid, so that no two are close together.
     """
     side = ceil(n ** (1 / d)) + 1
     cells = random.permutation(side**d)[:n]
     corners = np.stack(np.unravel_index(cells, (side,) * d), axis=1)
-    return (corners + random.uniform(0.2, 0.8, (n, d))) / side
+    return (corners + random.uniform(0.2, 0.8, (n, d))) / side - (0.4 if d == 3 else 0)
 
 
 def lattice(random: np.random.Generator, *counts: int) -> np.ndarray:

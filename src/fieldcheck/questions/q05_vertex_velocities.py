@@ -295,7 +295,7 @@ def system_inputs(seed: int) -> tuple[Call, ...]:
     return calls_of(
         "system",
         ((p, n, x), "nine samples"),
-        ((p + 5.0, n, x + 5.0), "the same samples and the vertex, moved together"),
+        ((p - 5.0, n, x - 5.0), "the same samples and the vertex, moved together"),
         (few, "four samples"),
     )
 

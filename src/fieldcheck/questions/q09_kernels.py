@@ -201,13 +201,14 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
     )
     calls = []
     for n, k, degree, case in cases:
-        points = cloud(random, n, 2)
+        shift = 0.4 if k == 5 else 0
+        points = cloud(random, n, 2) - shift
         values = (
             random.normal(size=n)
             if n > 8
             else 1 - 2 * points[:, 0] + random.normal() * points[:, 1]
         )
-        x = np.concatenate([random.uniform(-0.3, 1.3, (24, 2)), points])
+        x = np.concatenate([random.uniform(-0.3, 1.3, (24, 2)) - shift, points])
         calls.append(Call("interpolate", (points, values, k, degree, x), case))
     return tuple(calls)
 

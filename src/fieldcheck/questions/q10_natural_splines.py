@@ -52,7 +52,7 @@ def conversion_inputs(seed: int) -> tuple[Call, ...]:
     calls = []
     for n, shift, case in (
         (6, 0, "six sites"),
-        (3, 0, "three sites"),
+        (3, -1, "three sites around the origin"),
         (5, 4, "five sites away from the origin"),
     ):
         sites = line(random, n) + shift
@@ -151,7 +151,7 @@ def natural_data(random: np.random.Generator, n: int) -> tuple[np.ndarray, np.nd
     """Return sites, values, and the moments of the natural spline through them."""
     bends = random.normal(size=n)
     bends[[0, -1]] = 0
-    sites = line(random, n)
+    sites = line(random, n) - 1
     heights = half_cubes(sites, *_free_powers(sites, bends, random.normal(size=2)), sites)
     return sites, heights, bends
 

@@ -203,7 +203,10 @@ def affine_fields_rotate(calls: Sequence[Call], values: Sequence[Values]) -> flo
 
 
 def bounds_inputs(seed: int) -> tuple[Call, ...]:
-    """Return departure points among scattered sites, with the negative field, and at sites."""
+    """Return departure points among scattered sites, with changed fields, and at sites.
+
+    Zero is between the bounds of most random fields, but not of the raised and the lowered one.
+    """
     random = np.random.default_rng(seed)
     sites, u = in_square(random, 4), random.normal(size=16)
     feet = random.uniform(-1, 1, (7, 2))
@@ -216,7 +219,16 @@ def bounds_inputs(seed: int) -> tuple[Call, ...]:
             (in_disc(random, 20), random.normal(size=20), 0.5 * in_disc(random, 3)),
             "three feet in the disc",
         ),
+        ((sites, u + 5, feet), "the first points with a field that is larger by five"),
+        ((sites, u - 5, feet), "the first points with a field that is smaller by five"),
     )
+
+
+@law("Adding a number to the field must add it to both bounds.")
+def rise_with_the_field(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the bounds of the raised and the lowered field from l ± 5, h ± 5."""
+    first, raised, lowered = np.array(values[0]), np.array(values[4]), np.array(values[5])
+    return max(relative(raised - first - 5, raised), relative(lowered - first + 5, lowered))
 
 
 @law("If the field is multiplied by −1, the bounds must be exchanged and multiplied by −1.")
@@ -364,7 +376,13 @@ QUESTIONS = (
         2,
         bounds_inputs,
         lambda call: ((len(call.arguments[2]),),) * 2,
-        (are_values, changes_sign_with_the_field, contain_four_values, contains_the_nearest_value),
+        (
+            are_values,
+            changes_sign_with_the_field,
+            rise_with_the_field,
+            contain_four_values,
+            contains_the_nearest_value,
+        ),
     ),
     Question(
         "13.9",

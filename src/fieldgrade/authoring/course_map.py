@@ -31,9 +31,9 @@ LINE, LETTERS = 15, 22
 INTRODUCTION = """\
 # Map of the course
 
-Each arrow leads from a notebook to one that builds on it. Each notebook defines or quotes all
-that it needs, so you may begin with any of them; the column *Builds on* says which ideas to look
-up.
+Each arrow leads from a notebook to one that builds on it. Each notebook defines, quotes or imports
+all that it needs, so you may begin with any of them; the column *Builds on* says which ideas to
+look up.
 
 {diagram}
 
@@ -46,6 +46,22 @@ The sources are the lecture slides *Field Reconstruction: A Quick Survey of Meth
 Erleben, chapter 1 of the book *Scattered Data Approximation* by H. Wendland (Cambridge University
 Press, 2005), and the appendix of a thesis on mesh errors and conditionally positive definite
 functions. The report of the project has a chapter on each topic.
+
+## Ready-made functions
+
+Notebooks import finished functions of earlier ones from `fieldcheck.given`:
+
+| Function | Explained in | Imported by |
+| --- | --- | --- |
+| `distances` | notebook 03 | 09, 11, 12, 13 |
+| `saddle_point_matrix` | notebook 03 | 09, 10, 11, 12, 13 |
+
+You may use them in every answer, also in notebook 03. No function is there that a question asks
+for, since each question is graded, in whatever order you do the notebooks. Where a later notebook
+needs such a function, it asks for a variant of its own: 02.2 includes the matrix of 01.1, 05.7 is
+04.1 with the origin at a vertex, and 06.4, 07.2 and 08.2 are circumcentres in the plane and in
+space. Each of them can be written without the earlier one. If you have done that one, adapt your
+own function.
 
 ## Notebooks
 """

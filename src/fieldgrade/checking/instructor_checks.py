@@ -25,7 +25,7 @@ from fieldcheck.calls import Call, Outcome, perform
 from fieldcheck.judge import TIMEOUT_FACTOR
 from fieldcheck.question import Question
 from fieldcheck.questions import get
-from fieldcheck.shapes import fitted, in_words
+from fieldcheck.shapes import fitted, in_words, without_extra_axes
 from fieldcheck.verdict import Verdict
 from fieldgrade.authoring.right_functions import RightFunctions
 from fieldgrade.checking.course import Course
@@ -150,7 +150,8 @@ def _arrays(question: Question, call: Call, outcome: Outcome) -> Any:
     if outcome.values is None:
         reason = outcome.error or outcome.returned
         raise CallFailed(f"{question.function}: {outcome.status} {reason}".rstrip())
-    values, shapes = fitted(outcome.values, question.shapes(call)), list(question.shapes(call))
+    shapes = list(question.shapes(call))
+    values = fitted(without_extra_axes(outcome, shapes).values or (), shapes)
     if [v.shape for v in values] != shapes:
         raise CallFailed(f"{question.function} returns {in_words(values)}, not shapes {shapes}")
     return values[0] if len(values) == 1 else values
