@@ -2,15 +2,16 @@
 
 The held-out samples are as far from the fitted ones as the queries are from all samples, see
 `fieldrecon.selection.distance_matching`. All models are compared on the first folds, with their
-smoothing chosen there; those near the best are then compared on all folds. Of many samples, only
-those in some windows are used, each the neighbourhood of a query. This suffices for any method
-whose value depends only on the samples near by.
+smoothing chosen there; those near the best are then compared on all folds. Of the models whose
+errors there cannot be told from the least, the most cautious is chosen. Of many samples, only those
+in some windows are used, each the neighbourhood of a query. This suffices for any method whose
+value depends only on the samples near by.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TypeVar
 
@@ -43,7 +44,7 @@ DOMINATED = 1.2
 NEARLY = 1.02
 """Of several paths of variants, the first is taken whose error is at most this times the least."""
 FINALISTS = 3
-"""Largest number of models that are compared on all folds."""
+"""Largest number of models that are compared on all folds, besides the most cautious one."""
 
 Result = TypeVar("Result")
 
@@ -63,6 +64,8 @@ class ModelScore:
         Why the model was not tried or has no field, otherwise empty.
     weights : ndarray of shape (m,), optional
         How much each held-out sample counts in the root mean square; by default all equally.
+    caution : float
+        That of the model if its error cannot be told from the least, otherwise infinite.
     """
 
     model: Model
@@ -70,6 +73,7 @@ class ModelScore:
     residuals: np.ndarray | None
     reason: str = ""
     weights: np.ndarray | None = None
+    caution: float = np.inf
 
     def __repr__(self) -> str:
         return f"<ModelScore {self.model.name}: {self.reason or self.errors}>"
@@ -97,9 +101,22 @@ class ModelScore:
         return np.inf if self.residuals is None else float(np.abs(self.residuals).max())
 
     @property
-    def rank(self) -> tuple[int, float]:
-        """Key by which scores are sorted: those at more held-out samples first, then by rms."""
-        return -self.n_held_out, self.rms
+    def rank(self) -> tuple[int, float, float]:
+        """Key of the order: more held-out samples, then caution, then the smaller rms first."""
+        return -self.n_held_out, self.caution, self.rms
+
+    def is_level_with(self, best: ModelScore) -> bool:
+        """Whether its mean square error exceeds that of the best by at most one standard error.
+
+        The standard error is that of the mean of the differences, held-out sample by sample.
+        """
+        assert self.residuals is not None, "a level score has residuals"
+        assert best.residuals is not None, "the best score has residuals"
+        excess = self.residuals**2 - best.residuals**2
+        weights = np.ones(len(excess)) if self.weights is None else self.weights
+        mean = np.average(excess, weights=weights)
+        variance = np.average((excess - mean) ** 2, weights=weights)
+        return bool(mean <= np.sqrt(variance / len(excess)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +183,12 @@ class CrossValidator:
         asked_for: bool = False,
         progress: Progress | None = None,
     ) -> list[ModelScore]:
-        """Scores of the models: all on the first folds, and those near the best on all folds."""
+        """Scores of the models: all on the first folds, and those near the best on all folds.
+
+        The most cautious model is compared on all folds, too: on the first ones, a model that
+        overshoots in gaps may be the best by chance. By the one-standard-error rule, the scores
+        that are level with the best one have the `caution` of their models.
+        """
         first = self._first_folds()
         scores = []
         for done, model in enumerate(models, 1):
@@ -175,7 +197,9 @@ class CrossValidator:
                 progress(done, len(models) + 1)
         ranked = sorted((s for s in scores if s.maker), key=lambda score: score.rms)
         near = [s for s in ranked[:FINALISTS] if s.rms <= DOMINATED * ranked[0].rms]
-        return [self._on_all_folds(score) if score in near else score for score in scores]
+        near += sorted(ranked, key=lambda score: score.model.caution)[:1]
+        final = [self._on_all_folds(score) if score in near else score for score in scores]
+        return _by_caution(final)
 
     def evaluate(
         self, model: Model, asked_for: bool = False, folds: Sequence[Fold] | None = None
@@ -222,6 +246,19 @@ class CrossValidator:
             maker = with_variances(maker, self.variances[fold.fitted])
         field = maker(self.points[fold.fitted]).field(self.values[fold.fitted])
         return self.values[fold.held_out] - field(self.points[fold.held_out])
+
+
+def _by_caution(scores: list[ModelScore]) -> list[ModelScore]:
+    """The scores, with the caution of their models if they are level with the best on all folds."""
+    most = max(score.n_held_out for score in scores)
+    final = [score for score in scores if score.n_held_out == most > 0]
+    least = min(final, key=lambda score: score.rms, default=None)
+    return [
+        replace(score, caution=score.model.caution)
+        if least and score in final and score.is_level_with(least)
+        else score
+        for score in scores
+    ]
 
 
 def _certainty(variances: np.ndarray) -> np.ndarray:

@@ -26,6 +26,8 @@ _NEIGHBORS_PER_COEFFICIENT = 4
 _STRENGTHS = (0.0, *(10.0**k for k in range(-6, 1)))
 _PATCH_STRENGTHS = (0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 _NOISY_PATCH = 60
+CAUTIOUS = ("linear", "pu1", "smooth", "pu2", "pusmooth")
+"""Names of models, in the order in which they overshoot more and more where samples are few."""
 _TYPICAL = 5000  # samples from whose neighbours the typical distance of samples is found
 
 Maker: TypeAlias = Callable[[np.ndarray], Reconstruction]
@@ -55,6 +57,11 @@ class Model:
     meaning: str
     makers: Callable[[np.ndarray], Sequence[Sequence[Maker]]]
     max_samples: float = np.inf
+
+    @property
+    def caution(self) -> float:
+        """Place among the `CAUTIOUS` models; infinite for the others."""
+        return CAUTIOUS.index(self.name) if self.name in CAUTIOUS else np.inf
 
     def on_tangent_plane(self, pole: np.ndarray) -> Model:
         """The same model for unit vectors of a region, in the plane that touches the globe."""

@@ -6,7 +6,7 @@ import pytest
 from fieldrecon import LeastSquares, leave_one_out
 from fieldrecon.datasets.synthetic import clustered, franke, halton, uniform
 from fieldrecon.selection import cross_validation as module
-from fieldrecon.selection.cross_validation import CrossValidator, best
+from fieldrecon.selection.cross_validation import CrossValidator, ModelScore, _by_caution, best
 from fieldrecon.selection.models import MODELS, Model
 
 EXACT = 1e-8
@@ -179,6 +179,40 @@ def test_samples_without_any_method_are_refused():
     tried = [score for score in scores(points, points[:, 0]) if score.model.family == "LS"]
     with pytest.raises(np.linalg.LinAlgError, match="no field from these samples by ls1: the poin"):
         best(tried, field_of(points, points[:, 0]))
+
+
+def score_of(name, residuals):
+    return ModelScore(MODELS[name], None, np.asarray(residuals))
+
+
+def test_errors_are_level_up_to_one_standard_error_of_their_difference():
+    """The mean of the differences of squares is 0.9 or 1.1 times its standard error, or less."""
+    differences = np.tile([0.0, 2.0], 50)  # mean and standard deviation 1, standard error 0.1
+    best = score_of("mls1", np.sqrt(np.full(100, 10.0)))
+    for part, level in ((-0.9, True), (0.9, True), (1.1, False)):
+        other = score_of("linear", np.sqrt(10 + differences - 1 + 0.1 * part))
+        assert other.is_level_with(best) is level
+
+
+def test_of_models_with_level_errors_the_most_cautious_is_chosen():
+    """Kernel r is preferred to a plate only if the errors cannot be told apart."""
+    plate = score_of("smooth", np.sqrt(np.full(100, 10.0)))
+    wave = np.tile([0.0, 2.0], 50) - 1
+    for shift, chosen in ((0.05, "linear"), (0.2, "smooth")):
+        compared = _by_caution([plate, score_of("linear", np.sqrt(10 + wave + shift))])
+        assert min(compared, key=lambda score: score.rank).model.name == chosen
+
+
+@pytest.mark.slow
+def test_the_most_cautious_model_is_compared_on_all_folds():
+    """A model that is worse by chance on the first folds is not lost."""
+    points = uniform(200, 2, seed=0)
+    validator = CrossValidator.of(points, franke(points), uniform(100, 2, seed=1))
+    names = ("ls1", "tps", "cubic", "linear")
+    ls1, *splines, linear = validator.compare([MODELS[name] for name in names])
+    best = min([ls1, *splines, linear], key=lambda score: score.rank)
+    assert linear.rms > 1.2 * best.rms
+    assert linear.n_held_out == best.n_held_out == validator.n_held_out > ls1.n_held_out
 
 
 def test_the_next_best_method_replaces_one_that_fails():
