@@ -93,7 +93,13 @@ class ModelScore:
         """Root mean square of the residuals, in the unit of the values; infinite without any."""
         if self.residuals is None:
             return np.inf
-        return float(np.sqrt(np.average(self.residuals**2, axis=0, weights=self.weights).mean()))
+        return float(np.sqrt(np.average(self.squares, weights=self.weights)))
+
+    @property
+    def squares(self) -> np.ndarray:
+        """Squared residual at each held-out sample, (m,), the mean of those of several values."""
+        assert self.residuals is not None, "a score without residuals has a reason"
+        return np.mean(self.residuals.reshape(self.n_held_out, -1) ** 2, axis=1)
 
     @property
     def largest(self) -> float:
@@ -110,9 +116,7 @@ class ModelScore:
 
         The standard error is that of the mean of the differences, held-out sample by sample.
         """
-        assert self.residuals is not None, "a level score has residuals"
-        assert best.residuals is not None, "the best score has residuals"
-        excess = self.residuals**2 - best.residuals**2
+        excess = self.squares - best.squares
         weights = np.ones(len(excess)) if self.weights is None else self.weights
         mean = np.average(excess, weights=weights)
         variance = np.average((excess - mean) ** 2, weights=weights)
