@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from fieldrecon._core.geometry import triangle_normals
+from fieldrecon.io.column_names import bare_name
 from fieldrecon.io.frames import Source, as_source, bad_row_message, numbered, read_source
 from fieldrecon.io.mesh_content import MeshContent
 from fieldrecon.io.meshes import READERS, read_content
-from fieldrecon.io.tables import ColumnSpec, bare_name
+from fieldrecon.io.tables import ColumnSpec
 
 _MIN_POINTS = 10
 _UNIT_LENGTHS = (0.9, 1.1)  # lengths at which unnamed columns are taken for normals

@@ -16,8 +16,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fieldrecon._core.chunks import Progress
+from fieldrecon.io.column_names import AXES
 from fieldrecon.io.number_formats import parse_number
-from fieldrecon.io.tables import AXES, BadRow, ColumnSpec, Table, read_table
+from fieldrecon.io.tables import BadRow, ColumnSpec, Table, read_table
 
 
 @dataclass(frozen=True, eq=False)

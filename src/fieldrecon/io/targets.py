@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 
 from fieldrecon._core import validation as valid
+from fieldrecon.io.column_names import name_and_unit
 from fieldrecon.io.frames import Frame, Source, bad_row_message, numbered, read_source
 from fieldrecon.io.meshes import read_mesh, read_surface
-from fieldrecon.io.tables import BadRow, ColumnSpec, name_and_unit
+from fieldrecon.io.tables import BadRow, ColumnSpec
 
 MAX_NODES = 4e8
 """Largest number of nodes of a grid; its files alone would exceed the memory of most machines."""

@@ -11,9 +11,10 @@ import numpy as np
 
 from fieldrecon._core.chunks import Progress
 from fieldrecon._core.duplicates import coincidence_labels
+from fieldrecon.io.column_names import bare_name, chosen_columns
 from fieldrecon.io.crs import grid_mapping
 from fieldrecon.io.frames import Frame, Source, bad_row_message, numbered, read_source
-from fieldrecon.io.tables import BadRow, ColumnSpec, bare_name, chosen_columns
+from fieldrecon.io.tables import BadRow, ColumnSpec
 from fieldrecon.methods.globe import principal
 from fieldrecon.pipelines.missing_values import as_missing, suspects
 

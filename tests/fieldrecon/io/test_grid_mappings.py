@@ -7,9 +7,9 @@ import xarray as xr
 from scipy.io import netcdf_file
 
 from fieldrecon.io.cf import cf_variables
+from fieldrecon.io.column_names import name_and_unit
 from fieldrecon.io.crs import WGS_84, grid_mapping
 from fieldrecon.io.labelled import to_xarray
-from fieldrecon.io.tables import name_and_unit
 from fieldrecon.io.targets import Targets, TargetValues, grid_over
 from fieldrecon.io.values import write_values
 
