@@ -80,6 +80,8 @@ def test_fins_are_removed_and_walls_are_not():
     walled = repair_mesh(bipyramid, [*outside, [0, 1, 2]], largest_hole=1.0)
     assert walled.done == {}
     assert walled.after.found["nonmanifold_edges"] == 3
+    book = repair_mesh([*bipyramid[:3], [0, 0, 1], [1, 1, 2]], [[0, 1, k] for k in (2, 3, 4)], 0, 1)
+    assert "removed_fins" not in book.done
 
 
 @pytest.mark.parametrize("unit", [2.0**-500, 2.0**1023])
