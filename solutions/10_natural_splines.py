@@ -221,9 +221,9 @@ def two_sums(middle):
 # ### 10.2 The spline by distances
 #
 # The matrix of (10.5) has the form that notebook 03 explains. `saddle_point_matrix(A, P)` is
-# ready-made and combines the blocks. What are $\mathbf{A}$ and $\mathbf{P}$ for sites on a line?
-# Write a function that solves (10.5) and separates $\mathbf{a}$ from $\mathbf{b}$. The sites may
-# come in any order, since no equation of the system depends on it.
+# ready-made and combines the blocks. Write a function that states $\mathbf{A}$ and $\mathbf{P}$,
+# solves (10.5), and separates $\mathbf{a}$ from $\mathbf{b}$. The sites may come in any order,
+# since no equation of the system depends on it.
 
 
 # %% question="10.2" minutes=20

@@ -103,6 +103,17 @@ def all_at_once(center, rim, corners, x):
 
 
 @answers("07.4")
+def with_the_next_corner_for_the_next_neighbour(center, rim, corners, x):
+    w = []
+    for a in range(len(rim)):
+        b = a + 1 - len(rim)
+        j, k = rim[a] - center, rim[b] - center
+        above = abs(j[0] * k[1] - j[1] * k[0])
+        w.append(above / (j @ (corners[a] - x)) / (k @ (corners[b] - x)))
+    return w
+
+
+@answers("07.4")
 def from_heights_of_neighbours(center, rim, corners, x):
     s = rim - center
     h = [0.5 * t @ t - t @ (x - center) for t in s]

@@ -69,6 +69,15 @@ def constant_and_slope_exchanged(sites, alpha, beta):
     return a, b[::-1]
 
 
+@answers("10.1")
+def cubes_of_absolute_sites(sites, alpha, beta):
+    """The constant has the cubes of |x_j| instead of those of x_j. They differ for sites left of
+    the origin. The expansion of (x - y)³ has the power of y itself.
+    """
+    a, (_, slope) = converted(sites, alpha, beta)
+    return a, np.array([beta[0] - a @ np.abs(sites) ** 3, slope])
+
+
 # 10.2 The spline by distances
 
 

@@ -51,7 +51,7 @@ def conversion_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     calls = []
     for n, shift, case in (
-        (6, 0, "six sites"),
+        (6, -2, "six sites"),
         (3, -1, "three sites around the origin"),
         (5, 4, "five sites away from the origin"),
     ):
