@@ -2,7 +2,7 @@
 # jupyter:
 #   course:
 #     pages: slides, pages 3–7 and 39
-#     chapters: [02-least-squares]
+#     chapters: [11-least-squares]
 #   jupytext:
 #     text_representation:
 #       extension: .py

@@ -4,7 +4,7 @@
 #     builds_on:
 #       "01": the matrix of the basis, its rank, and the normal equations
 #     pages: slides, pages 8–10 and 40
-#     chapters: [03-moving-least-squares]
+#     chapters: [12-moving-least-squares]
 #   jupytext:
 #     text_representation:
 #       extension: .py

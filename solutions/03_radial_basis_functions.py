@@ -4,7 +4,7 @@
 #     builds_on:
 #       "01": the linear basis, and the rank of its matrix
 #     pages: slides, pages 11–13 and 41
-#     chapters: [04-radial-basis-functions]
+#     chapters: [13-radial-basis-functions]
 #   jupytext:
 #     text_representation:
 #       extension: .py

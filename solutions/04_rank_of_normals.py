@@ -4,7 +4,7 @@
 #     builds_on:
 #       "01": least squares, the rank of a matrix and its tolerance
 #     pages: slides, pages 18–22 and 42
-#     chapters: [06-vertex-velocities]
+#     chapters: [14-vertex-velocities]
 #   jupytext:
 #     text_representation:
 #       extension: .py

@@ -5,7 +5,7 @@
 #       "02": weights that decrease with the distance
 #       "04": the matrix of normal velocities and its rank
 #     pages: slides, pages 18–22 and 43
-#     chapters: [06-vertex-velocities]
+#     chapters: [14-vertex-velocities]
 #   jupytext:
 #     text_representation:
 #       extension: .py

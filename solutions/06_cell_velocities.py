@@ -4,7 +4,7 @@
 #     builds_on:
 #       "01": least squares with more equations than unknowns
 #     pages: slides, pages 23–26 and 44
-#     chapters: [07-cell-velocities]
+#     chapters: [15-cell-velocities]
 #   jupytext:
 #     text_representation:
 #       extension: .py

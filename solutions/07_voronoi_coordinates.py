@@ -4,7 +4,7 @@
 #     builds_on:
 #       "06": the circumcentre of a triangle
 #     pages: slides, pages 27–36 and 45
-#     chapters: [09-barycentric-coordinates, 10-voronoi-coordinates]
+#     chapters: [17-barycentric-coordinates, 18-voronoi-coordinates]
 #   jupytext:
 #     text_representation:
 #       extension: .py

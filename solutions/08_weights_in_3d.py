@@ -4,7 +4,7 @@
 #     builds_on:
 #       "07": the weights and the coordinates in the plane
 #     pages: slides, pages 37 and 46
-#     chapters: [10-voronoi-coordinates]
+#     chapters: [18-voronoi-coordinates]
 #   jupytext:
 #     text_representation:
 #       extension: .py

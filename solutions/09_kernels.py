@@ -4,7 +4,7 @@
 #     builds_on:
 #       "03": radial basis functions with a linear polynomial, and the saddle-point system
 #     pages: book, pages 11–16; appendix, section 2
-#     chapters: [21-kernels, 22-other-data]
+#     chapters: [20-kernels, 36-other-data]
 #   jupytext:
 #     text_representation:
 #       extension: .py

@@ -4,7 +4,7 @@
 #     builds_on:
 #       "03": the saddle-point system of a kernel and a linear polynomial
 #     pages: book, section 1.4
-#     chapters: [20-natural-splines]
+#     chapters: [19-natural-splines]
 #   jupytext:
 #     text_representation:
 #       extension: .py

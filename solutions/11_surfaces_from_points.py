@@ -4,7 +4,7 @@
 #     builds_on:
 #       "03": the saddle-point system, and the gradient of a radial basis function
 #     pages: book, section 1.1
-#     chapters: [31-surfaces]
+#     chapters: [38-surfaces]
 #   jupytext:
 #     text_representation:
 #       extension: .py

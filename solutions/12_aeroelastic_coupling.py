@@ -4,7 +4,7 @@
 #     builds_on:
 #       "03": the saddle-point system, solved for weights instead of coefficients
 #     pages: book, section 1.2
-#     chapters: [12-coupling]
+#     chapters: [33-coupling]
 #   jupytext:
 #     text_representation:
 #       extension: .py

@@ -4,7 +4,7 @@
 #     builds_on:
 #       "12": a reconstruction as a matrix of weights
 #     pages: book, section 1.3
-#     chapters: [13-advection]
+#     chapters: [34-advection]
 #   jupytext:
 #     text_representation:
 #       extension: .py

@@ -4,7 +4,7 @@
 #     builds_on:
 #       "11": the surfaces whose files are examined here
 #     pages: appendix, section 1
-#     chapters: [30-mesh-errors]
+#     chapters: [37-mesh-errors]
 #   jupytext:
 #     text_representation:
 #       extension: .py

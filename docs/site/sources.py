@@ -37,7 +37,7 @@ REPORT_INDEX = """\
 
 The report derives the methods, compares them, and answers the questions of the lecture slides.
 Below each figure are its data and the command that draws it. `make report` also writes it as one
-page and as PDF.
+page and as PDF, without the comparison of speed and the table of all parameters.
 """
 LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#)([^)#\s]+)")
 NAME = re.compile(r"(?<!`)`fr\.([\w.]+)`(?!`)")

@@ -2,6 +2,7 @@
 listings and statements.
 
   # Title {#sec:a}       # Title {#app:a .appendix}       # Title {.unnumbered}
+  # Title {#sec:a .part} has chapters below it, whose numbers run on
   $$ .. $$ {#eq:a}       an equation without a label has no number
   ```{.python #lst:a caption="..."}                                                              ]]
 
@@ -12,6 +13,7 @@ local statements = require 'statements'
 
 -- headings --------------------------------------------------------------------------------------
 local level, in_appendix, unnumbered_level = {}, false, nil
+local parts, ROMAN = 0, { 'I', 'II', 'III', 'IV' }
 
 local function section_number(depth)
   level[depth] = (level[depth] or 0) + 1
@@ -22,7 +24,17 @@ local function section_number(depth)
   return table.concat(parts, '.')
 end
 
+local function part(h)
+  parts, unnumbered_level = parts + 1, nil
+  labels.begin_chapter(nil)
+  labels.define(h.identifier, 'Part', ROMAN[parts], 'Part')
+  h.content:insert(1, pandoc.Span({ pandoc.Str('Part\u{a0}' .. ROMAN[parts]) }, { '', { 'secno' } }))
+  h.content:insert(2, pandoc.Str '\u{2002}')
+  return h
+end
+
 local function heading(h)
+  if h.classes:includes 'part' then return part(h) end
   if h.classes:includes 'appendix' and not in_appendix then in_appendix, level = true, {} end
   if unnumbered_level and h.level <= unnumbered_level then unnumbered_level = nil end
   if unnumbered_level or h.classes:includes 'unnumbered' then

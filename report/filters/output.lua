@@ -13,6 +13,7 @@ end
 
 return {
   { Pandoc = problems.take_over },
+  { Pandoc = require 'online' },       -- without what only the site shows
   { Pandoc = require 'mathematics' },  -- formulas that both outputs set alike
   { Pandoc = require(FORMAT:match 'typst' and 'write_pdf' or 'write_html') },
   { Pandoc = finish },

@@ -3,6 +3,7 @@
 It drops alternative texts (jgm/pandoc#11394), so images are written here; boxes, captions' small
 print and the size of wide tables are calls into template.typ.                                   ]]
 
+local parts = require 'parts'
 local pictures = require 'pictures'
 
 local WIDE = 7            -- from so many columns on a table is set smaller
@@ -74,6 +75,28 @@ local function sized(t)
   return out
 end
 
+-- Paragraphs, lists and listings at the top level stay whole; what announces the next block stays with it.
+local WHOLE = 2000        -- characters up to which a block stays whole, about half a page
+
+local function last_character(block)
+  return pandoc.utils.stringify(block):sub(-1)
+end
+
+local function kept_whole(block)
+  local is_list = block.t == 'BulletList' or block.t == 'OrderedList'
+  local is_listing = block.t == 'Div' and block.classes:includes 'listing'
+  if not (block.t == 'Para' or is_list or is_listing) then return { block } end
+  if #pandoc.utils.stringify(block) > WHOLE then return { block } end
+  local keep = last_character(block) == ':' and '(keep: true)' or ''
+  return { raw_block('#whole' .. keep .. '['), block, raw_block ']' }
+end
+
+local function unsplit(blocks)
+  local out = pandoc.Blocks {}
+  for _, block in ipairs(blocks) do out:extend(kept_whole(block)) end
+  return out
+end
+
 return function(doc)
   local root = pandoc.utils.stringify(doc.meta.figures)
   local function image(i)
@@ -82,5 +105,6 @@ return function(doc)
       quoted(pandoc.utils.stringify(i.caption))))
   end
   doc.blocks = doc.blocks:walk { Image = image, Span = span, Div = box, Table = sized }
+  doc.blocks = parts(unsplit(doc.blocks))
   return doc
 end

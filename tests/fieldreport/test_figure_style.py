@@ -166,3 +166,13 @@ def test_a_font_that_typst_lacks_is_refused():
     with pytest.raises(LookupError, match=r"the font Comic is not in the Typst wheel .*NewCMMath"):
         font_bytes("Comic")
     assert font_bytes(MATH).startswith(b"OTTO")
+
+
+def test_hues_of_variants_are_distinguishable():
+    """Any two of ten differ by 10 in L*a*b*, and have contrast to white; no two look the same."""
+    looks = style.hues(10)
+    colors = [lab(linear(look["color"])) for look in looks]
+    apart = [np.linalg.norm(a - b) for k, a in enumerate(colors) for b in colors[:k]]
+    assert min(apart) > 10
+    assert max(color[0] for color in colors) < 70
+    assert len({(str(look["linestyle"]), look["marker"]) for look in looks}) == 10

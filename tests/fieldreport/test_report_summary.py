@@ -70,12 +70,12 @@ def test_the_map_names_the_exercises_on_the_slides_and_no_others():
 
 
 CHAPTERS_ON_THE_SLIDES = (
-    "02-least-squares.md",
-    "03-moving-least-squares.md",
-    "04-radial-basis-functions.md",
-    "06-vertex-velocities.md",
-    "07-cell-velocities.md",
-    "08-pressure-gradients.md",
-    "09-barycentric-coordinates.md",
-    "10-voronoi-coordinates.md",
+    "11-least-squares.md",
+    "12-moving-least-squares.md",
+    "13-radial-basis-functions.md",
+    "14-vertex-velocities.md",
+    "15-cell-velocities.md",
+    "16-pressure-gradients.md",
+    "17-barycentric-coordinates.md",
+    "18-voronoi-coordinates.md",
 )

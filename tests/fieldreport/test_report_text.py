@@ -189,19 +189,21 @@ class Text:
     """Chapters with made-up values, and their conversion."""
 
     def __init__(self, folder):
-        source, drawn = folder / "text", folder / "out" / "experiments" / "bumps"
+        source, out = folder / "text", folder / "out"
         shutil.copytree(REPORT, source, ignore=shutil.ignore_patterns("build", "chapters"))
         (source / "chapters").mkdir()
-        drawn.mkdir(parents=True)
+        drawn = [out / kind / "bumps" for kind in ("experiments", "screen")]
         for name in ("bumps", "bumps_far"):
             svg = '<svg xmlns="http://www.w3.org/2000/svg" width="212.6pt" height="72pt"></svg>'
-            (drawn / f"{name}.svg").write_text(svg)
-        self.document = Document(source, folder / "out")
+            for place in drawn:
+                place.mkdir(parents=True, exist_ok=True)
+                (place / f"{name}.svg").write_text(svg)
+        self.document = Document(source, out)
 
     def convert(self, chapter):
         (self.document.source / "chapters" / "01-all.md").write_text(chapter)
-        page, print_ = self.document.convert(VALUES, {"version": "0"})
-        return self.document.with_figures(page), print_
+        text = self.document.convert(VALUES, {"version": "0"})
+        return text | {"page": self.document.with_figures(text["page"])}
 
 
 @pytest.fixture(scope="module")
@@ -216,12 +218,12 @@ def outputs(text):
 
 @pytest.fixture(scope="module")
 def page(outputs):
-    return outputs[0]
+    return outputs["page"]
 
 
 @pytest.fixture(scope="module")
 def typ(outputs):
-    return outputs[1]
+    return outputs["print"]
 
 
 @pytest.fixture(scope="module")
@@ -419,3 +421,67 @@ def test_embedded_fonts_contain_the_root_sign():
     root = "<math><msqrt><mn>3</mn></msqrt></math>"
     assert ord("√") in code_points(root)[0]
     assert ord("√") not in code_points("<math><mn>3</mn></math>")[0]
+
+
+PARTS = """# Before {#sec:before}
+
+@sec:slides is next; @app:speed and [@tbl:speed] are on the site.
+
+# The slides {#sec:slides .part pages=1}
+
+# One {#sec:one}
+
+LONG
+
+# Speed {#app:speed .appendix .online}
+
+| a |
+|---|
+| b |
+
+: Seconds. {#tbl:speed}
+"""
+
+
+@pytest.fixture(scope="module")
+def parts(text):
+    return text.convert(PARTS.replace("LONG", "Short."))
+
+
+def test_a_part_has_a_number_and_the_numbers_of_its_chapters_run_on(parts):
+    for output in ("page", "site"):
+        shown = words(parts[output]).replace("\xa0", " ")
+        assert "Part I The slides" in shown.replace("\u2002", " ")
+        assert "Part I is next" in shown
+    numbers = re.findall(r'<span class="secno">(.*?)</span>', parts["site"].partition("</nav>")[2])
+    assert numbers == ["1", "Part\xa0I", "2", "A"]
+
+
+def test_an_online_appendix_is_on_the_site_alone(parts):
+    """Elsewhere a reference to it is text, since there is nothing to lead to."""
+    assert 'href="#app:speed"' in parts["site"]
+    assert "Seconds." in words(parts["site"])
+    for output in ("page", "print"):
+        assert "Seconds." not in parts[output]
+        assert "app:speed" not in parts[output]
+        assert re.search("Appendix.A and Table.A.1 are on the site", words(parts[output]))
+
+
+@pytest.mark.slow
+def test_a_part_with_more_pages_than_its_heading_allows_stops_the_build(text):
+    """The part ends where the appendix begins; a part of one page is allowed."""
+    after = "\n\n# Rest {#app:rest .appendix}\n\nMore.\n"
+    for words_, fails in ((10, False), (1500, True)):
+        chapter = PARTS.replace("LONG", "word. " * words_).partition("# Speed")[0] + after
+        source = text.convert(re.sub("@app:.*", "", chapter))["print"]
+        if fails:
+            with pytest.raises(BuildError, match="a part has 3 pages; its heading allows 1"):
+                text.document._typeset(source)
+        else:
+            assert text.document._typeset(source).startswith(b"%PDF")
+
+
+def test_a_page_above_its_limit_names_its_longest_figures(text, monkeypatch):
+    monkeypatch.setattr("fieldreport.build.typesetting.PAGE_LIMIT", 1000)
+    with pytest.raises(BuildError, match=r"bytes, more than 1,000; draw fewer .*bumps"):
+        text.document._whole_page("<p>" + "word " * 500 + "</p>")

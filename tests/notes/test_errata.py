@@ -44,7 +44,7 @@ from rational import (
 from report_fixtures import REPORT
 
 ROUNDING = 1e-12
-ERRATA = REPORT / "chapters" / "70-errata.md"
+ERRATA = REPORT / "chapters" / "22-errata.md"
 
 
 def test_the_chapter_names_every_test_and_no_other():

@@ -23,7 +23,7 @@ from fieldrecon.surfaces.normals import estimate_normals
 from rational import determinant, dot, rank, solved
 from report_fixtures import REPORT
 
-CHAPTER = REPORT / "chapters" / "71-errata-of-the-book.md"
+CHAPTER = REPORT / "chapters" / "23-errata-of-the-book.md"
 
 
 def test_the_chapter_names_every_test_and_no_other():

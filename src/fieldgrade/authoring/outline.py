@@ -7,7 +7,7 @@ The headers of the cells declare the minutes of each question; the front matter 
     #     builds_on:
     #       "01": the matrix B and the normal equations
     #     pages: slides, pages 8–10 and 40
-    #     chapters: [03-moving-least-squares]
+    #     chapters: [12-moving-least-squares]
 """
 
 from __future__ import annotations

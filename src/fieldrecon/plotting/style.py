@@ -11,7 +11,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from itertools import cycle
@@ -39,6 +39,7 @@ __all__ = [
     "StyledFigure",
     "figure",
     "hillshade",
+    "hues",
     "line",
     "map_axes",
     "scale_bar",
@@ -69,6 +70,24 @@ METHOD_LINESTYLES: Mapping[str, Any] = {
     "truth": "-",
     "data": "none",
 }
+HUES = [
+    "#000000",
+    "#c48600",
+    "#2a78bb",
+    "#c0392b",
+    "#2a6428",
+    "#8e5bb5",
+    "#3aa6a0",
+    "#7a7a7a",
+    "#5f1049",
+    "#7d4a1e",
+]
+"""Colours of variants. Neighbours differ in lightness; dashes and markers differ as well."""
+
+DASHES: Sequence[Any] = ("-", (0, (5, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)))
+MARKERS = "os^Dv*"
+"""Dashes and markers of variants, in turn."""
+
 METHOD_MARKERS = {"LS": "s", "MLS": "o", "PU": "D", "RBF": "^", "truth": "", "data": "."}
 
 SEQUENTIAL = "viridis"
@@ -256,11 +275,38 @@ def shades(method: str, count: int, **changes: Any) -> list[dict[str, Any]]:
     >>> [look["marker"] for look in shades("RBF", 3)]
     ['o', 's', '^']
     """
-    dashes = ["-", (0, (5, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5))]
     tints = np.linspace(-0.45, 0.45, count) if count > 1 else [0.0]
     return [
         {"color": _tint(METHOD_COLORS[method], tint), "linestyle": dash, "marker": marker} | changes
-        for tint, dash, marker in zip(tints, cycle(dashes), cycle("os^Dv*"), strict=False)
+        for tint, dash, marker in zip(tints, cycle(DASHES), cycle(MARKERS), strict=False)
+    ]
+
+
+def hues(count: int, **changes: Any) -> list[dict[str, Any]]:
+    """Distinguish `count` variants by colours of their own, where only variants are compared.
+
+    Parameters
+    ----------
+    count : int
+        Number of variants; the eleventh has the colour of the first with another dash.
+    **changes
+        Keywords added to each.
+
+    Returns
+    -------
+    list of dict
+        Keywords for ``Axes.plot``.
+
+    Examples
+    --------
+    >>> [look["color"] for look in hues(3)]
+    ['#000000', '#c48600', '#2a78bb']
+    """
+    return [
+        {"color": hue, "linestyle": dash, "marker": marker} | changes
+        for hue, dash, marker, _ in zip(
+            cycle(HUES), cycle(DASHES), cycle(MARKERS), range(count), strict=False
+        )
     ]
 
 

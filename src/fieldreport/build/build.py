@@ -12,8 +12,7 @@ from typing import Any
 from fieldrecon._core.atomic_files import TEMPORARY, write_atomically
 from fieldrecon._core.digests import json_digest
 from fieldrecon.cli.progress import Bar
-from fieldreport import experiments
-from fieldreport.build import rerun, up_to_date, widgets
+from fieldreport.build import screen_files, up_to_date, widgets
 from fieldreport.build.chapter_pages import write_pages
 from fieldreport.build.code_dependencies import code_digests, statement_cache
 from fieldreport.build.errors import BuildError
@@ -51,17 +50,18 @@ def build(arguments: argparse.Namespace) -> None:
         compute(chosen, steps, max(1, min(arguments.jobs, len(chosen))), progress)
         if not arguments.only:
             _remove_others(jobs, out / "experiments")
-            data = widgets.compute(living, jobs, steps, progress)
-            _finish(document, jobs, data, steps, progress)
+            shown = screen_files.compute(jobs, steps, max(1, arguments.jobs), progress)
+            shown += widgets.compute(living, jobs, steps, progress)
+            _finish(document, jobs, shown, steps, progress)
             up_to_date.record(steps, key, read)
 
 
 def _finish(
-    document: Document, jobs: list[ExperimentJob], data: list[Path], steps: Steps, progress: Bar
+    document: Document, jobs: list[ExperimentJob], shown: list[Path], steps: Steps, progress: Bar
 ) -> None:
-    """Typeset the text with the data of the living figures, and write the manifest."""
+    """Typeset the text with the figures for the screen, and write the manifest."""
     values = {job.name: _values(job) for job in jobs}
-    results = [*_results(jobs), *data]
+    results = [*_results(jobs), *shown]
     made = [*results, document.out / "report.html", document.out / "report.pdf"]
     metadata = {"version": versions()["fieldrecon"], "date": source_date(document.source)}
     key = json_digest(
@@ -96,16 +96,8 @@ def _write_pages(
     key = json_digest([key, code_digests("fieldreport.build.chapter_pages")])
     if not steps.done("pages", key):
         progress.add(1)
-        named = [(job.name, job.params, job.folder) for job in jobs]
-        with rerun.workers(1) as pool:
-            steps.record("pages", key, pool.submit(_pages, document, named).result())
+        steps.record("pages", key, write_pages(document, jobs))
         progress.done("wrote the chapters")
-
-
-def _pages(document: Document, named: list[tuple[str, Any, Path]]) -> list[Path]:
-    """Write the chapters in a pinned worker, whose rasters have the same bytes everywhere."""
-    jobs = [ExperimentJob(experiments.get(name), params, out) for name, params, out in named]
-    return write_pages(document, jobs)
 
 
 def _values(job: ExperimentJob) -> dict[str, Any]:
@@ -157,8 +149,9 @@ def _chosen(jobs: list[ExperimentJob], only: list[str]) -> list[ExperimentJob]:
 
 def _sweep(out: Path) -> None:
     """Remove the temporary files of a build that was killed."""
-    folders = (out, out / ".state", out / "pages", *(out / "experiments").glob("*/"))
-    for folder in (*folders, *(out / "pages").glob("*/")):
+    kinds = ("experiments", "pages", "screen")
+    folders = [folder for kind in kinds for folder in (out / kind).glob("*/")]
+    for folder in (out, out / ".state", out / "pages", *folders):
         for path in folder.glob(".*"):
             if TEMPORARY.fullmatch(path.name):
                 path.unlink()

@@ -16,18 +16,14 @@ from pathlib import Path
 from typing import Final
 
 from fieldrecon._core.atomic_files import write_atomically
-from fieldrecon.plotting.figure_files import figure_bytes
 from fieldreport.build import widget_scripts
 from fieldreport.build.errors import BuildError
 from fieldreport.build.rerun import ExperimentJob
-from fieldreport.build.screen_figures import dark, light, webp
+from fieldreport.build.screen_figures import dark, screen_file
 from fieldreport.build.typesetting import UPRIGHT_NABLA, Document
-from fieldreport.framework.result_files import read_result
 
 CONTENTS: Final = "contents.json"
 """The file with the chapters in their order, written last."""
-LARGE: Final = 180_000
-"""Length of a figure as text above which a raster is smaller and is drawn faster."""
 CHAPTER: Final = re.compile(r'<section id="([^"]+)" class="level2\b')
 WORK: Final = re.compile(r'<div id="(ref-[^"]+)" class="csl-entry"[^>]*>(.*?)</div>', flags=re.S)
 CITATION: Final = re.compile(r'<a href="#(ref-[^"]+)" role="doc-biblioref"')
@@ -66,7 +62,7 @@ def write_pages(document: Document, jobs: Iterable[ExperimentJob]) -> list[Path]
     document : Document
         The report, whose text has been set.
     jobs : iterable of ExperimentJob
-        The experiments, whose figures are drawn and whose tables are written.
+        The experiments, whose figures and tables are copied.
     """
     out = document.out / "pages"
     page = document.page.read_text(encoding="utf-8").replace("<mi>∇</mi>", UPRIGHT_NABLA)
@@ -202,13 +198,12 @@ class Pictures:
     written: set[Path] = field(default_factory=set)
 
     def image(self, stem: str, attributes: str) -> str:
-        """Write a figure; return its elements of HTML, one for light pages and one for dark."""
-        picture = light(self.job.figure_file(stem).read_text(encoding="utf-8"))
-        if len(picture) > LARGE:
-            self._write(f"{stem}.webp", self._raster(stem))
-            return self._element(f"{stem}.webp", "raster", attributes)
-        self._write(f"{stem}.svg", picture.encode())
-        self._write(f"{stem}.dark.svg", dark(picture).encode())
+        """Copy a figure; return its elements of HTML, one for light pages and one for dark."""
+        path = screen_file(self.out.parent, f"{self.job.name}/{stem}")
+        self._write(path.name, path.read_bytes())
+        if path.suffix == ".webp":
+            return self._element(path.name, "raster", attributes)
+        self._write(f"{stem}.dark.svg", dark(path.read_text(encoding="utf-8")).encode())
         return "".join(
             self._element(f"{stem}{suffix}", f"only-{page}", attributes)
             for page, suffix in (("light", ".svg"), ("dark", ".dark.svg"))
@@ -231,10 +226,3 @@ class Pictures:
 
     def _element(self, name: str, kind: str, attributes: str) -> str:
         return f'<img class="{kind}" loading="lazy" src="{self.job.name}/{name}" {attributes}>'
-
-    def _raster(self, stem: str) -> bytes:
-        """Draw a figure as a raster, twice as fine as it is shown."""
-        experiment = self.job.experiment
-        return webp(
-            figure_bytes(experiment.plots[stem](read_result(self.job.folder, experiment)), "png")
-        )

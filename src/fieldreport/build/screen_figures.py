@@ -11,7 +11,9 @@ import base64
 import colorsys
 import io
 import re
+from pathlib import Path
 from typing import Final
+from urllib.parse import quote
 
 PAPER: Final = 0x13
 """The brightness of the dark page, which takes the place of white."""
@@ -28,6 +30,8 @@ COLOR: Final = re.compile(r"(?<=stroke: )#[0-9a-f]{6}|(?<=fill: )#[0-9a-f]{6}")
 PATH: Final = re.compile(r'(?<= d=")[^"]+(?=")|(?<= points=")[^"]+(?=")')
 DECIMALS: Final = re.compile(r"(\.\d)\d+")
 STEP: Final = re.compile(r" ?\n([A-Za-z]) ?")
+READABLE: Final = " !$'()*+,-./:;=?@[]^_`{|}~\n"
+"""Characters that stand as they are in the address of an SVG."""
 
 
 def light(svg: str) -> str:
@@ -71,6 +75,28 @@ def webp(png: bytes) -> bytes:
     buffer = io.BytesIO()
     Image.open(io.BytesIO(png)).save(buffer, "WEBP", quality=QUALITY, method=4)
     return buffer.getvalue()
+
+
+def screen_file(out: Path, figure: str) -> Path:
+    """Return the file of a figure, named ``EXPERIMENT/FIGURE``, for the screen.
+
+    Parameters
+    ----------
+    out : Path
+        The build folder.
+    figure : str
+        Experiment and figure, without suffix.
+    """
+    raster = out / "screen" / f"{figure}.webp"
+    return raster if raster.exists() else raster.with_suffix(".svg")
+
+
+def address(path: Path) -> str:
+    """Return a figure as an address that contains it."""
+    if path.suffix == ".webp":
+        return f"data:image/webp;base64,{base64.b64encode(path.read_bytes()).decode()}"
+    text = path.read_text(encoding="utf-8").replace('"', "'")
+    return f"data:image/svg+xml,{quote(text, safe=READABLE)}"
 
 
 def _embedded(png: bytes) -> str:

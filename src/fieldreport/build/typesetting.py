@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import html
 import json
 import re
@@ -19,13 +18,23 @@ from fieldrecon._core.digests import json_digest
 from fieldreport.build.code_dependencies import code_digests
 from fieldreport.build.errors import BuildError
 from fieldreport.build.manifest import versions
+from fieldreport.build.screen_figures import address, screen_file
 from fieldreport.build.step_records import Steps
 from fieldreport.build.widget_scripts import embedded
 from fieldreport.framework.orders_of_magnitude import mark_orders
 
 PDF_STANDARD: Final = "ua-1"
-OUTPUTS: Final = ("html5", "typst-citations")
-"""The output format of pandoc. Citations are text already, so Typst must not process them again."""
+OUTPUTS: Final = {
+    "page": ("html5", "html"),
+    "site": ("html5", "html"),
+    "print": ("typst-citations", "typ"),
+}
+"""Format of pandoc and suffix of the template for each output.
+
+Citations are text already, so Typst must not process them again.
+"""
+PAGE_LIMIT: Final = 8_000_000
+"""Bytes of the one-file page at most."""
 NO_DATE = 0
 """The time of creation for Typst, in seconds since 1970; the document does not show it."""
 
@@ -53,7 +62,7 @@ class Document:
 
     @property
     def page(self) -> Path:
-        """The page without style, fonts and figures, from which the chapters are made."""
+        """The page for the site, without style, fonts and figures."""
         return self.out / ".state" / "page.html"
 
     @property
@@ -82,30 +91,30 @@ class Document:
         BuildError
             If the text has errors: all of them, with file and line where known.
         """
-        page, print_ = self.convert(values, metadata)
-        write_atomically(self.page, page.encode())
-        source = write_atomically(self.out / ".state" / "report.typ", print_.encode())
+        text = self.convert(values, metadata)
+        write_atomically(self.page, text["site"].encode())
+        source = write_atomically(self.out / ".state" / "report.typ", text["print"].encode())
         return [
-            write_atomically(self.out / "report.html", self._dressed(page).encode()),
+            write_atomically(self.out / "report.html", self._whole_page(text["page"])),
             write_atomically(self.out / "report.pdf", typeset(source, self.out)),
         ]
 
-    def convert(self, values: Mapping[str, Any], metadata: Mapping[str, str]) -> tuple[str, str]:
-        """Return the text as HTML, without style and fonts, and as Typst."""
+    def convert(self, values: Mapping[str, Any], metadata: Mapping[str, str]) -> dict[str, str]:
+        """Return the text as HTML, without style and fonts, for page and site, and as Typst."""
         state = self.out / ".state"
         write_atomically(state / "values.json", json.dumps(mark_orders(values)).encode())
         places = {"values": state / "values.json", "figures": self.out / "experiments"}
         combined = {**metadata, **{key: str(path.resolve()) for key, path in places.items()}}
         document = self._read(combined)
-        with ThreadPoolExecutor(2) as both:
-            page, print_ = (both.submit(self._written, to, document) for to in OUTPUTS)
-            problems = _all_lines(page.exception(), print_.exception())
+        with ThreadPoolExecutor(len(OUTPUTS)) as pool:
+            texts = {output: pool.submit(self._written, output, document) for output in OUTPUTS}
+            problems = _all_lines(*(text.exception() for text in texts.values()))
         if problems:
             raise BuildError("\n".join(problems))
-        return page.result(), print_.result()
+        return {output: text.result() for output, text in texts.items()}
 
     def _read(self, metadata: Mapping[str, str]) -> str:
-        """Return the chapters with numbers and citations as JSON of pandoc, for both outputs."""
+        """Return the chapters with numbers and citations as JSON of pandoc, for all outputs."""
         return self._pandoc(
             "--from=markdown",
             "--to=json",
@@ -116,9 +125,10 @@ class Document:
             *(str(path.relative_to(self.source)) for path in self.chapters),
         )
 
-    def _written(self, to: str, document: str) -> str:
-        suffix = "html" if to == "html5" else "typ"
+    def _written(self, output: str, document: str) -> str:
+        to, suffix = OUTPUTS[output]
         return self._pandoc(
+            *(["--metadata=site:true"] if output == "site" else []),
             "--from=json",
             f"--to={to}",
             "--standalone",
@@ -161,6 +171,17 @@ class Document:
                     return f"{self.source.name}/chapters/{path.name}:{number}: "
         return ""
 
+    def _whole_page(self, page: str) -> bytes:
+        """Return the one-file page, which must not be longer than its limit."""
+        content = self._dressed(page).encode()
+        if len(content) > PAGE_LIMIT:
+            figures = sorted(self.out.glob("screen/*/*.*"), key=lambda path: -path.stat().st_size)
+            raise BuildError(
+                f"report.html has {len(content):,} bytes, more than {PAGE_LIMIT:,}; draw fewer "
+                f"elements in the longest figures: {', '.join(p.stem for p in figures[:3])}"
+            )
+        return content
+
     def _dressed(self, page: str) -> str:
         """Embed style sheet, fonts, living figures and figures in the page."""
         css = (self.source / "style.css").read_text(encoding="utf-8")
@@ -192,13 +213,12 @@ class Document:
         return path.read_text(encoding="utf-8")
 
     def _embedded(self, source: re.Match[str]) -> str:
-        content = (self.out / "experiments" / html.unescape(source[0])).read_bytes()
-        return f"data:image/svg+xml;base64,{base64.b64encode(content).decode()}"
+        return address(screen_file(self.out, html.unescape(source[1])))
 
 
 UPRIGHT_NABLA = '<mi mathvariant="normal">∇</mi>'
 """Without this, a browser would slant the operator like a variable."""
-FIGURE = re.compile(r'(?<=<img src=")[^":]+\.svg(?=")')
+FIGURE = re.compile(r'(?<=<img src=")([^":]+)\.svg(?=")')
 QUOTATION = re.compile(r"\{\{(\w+)\.(params\.)?(\w+)(?::[^{}]*)?\}\}")
 
 

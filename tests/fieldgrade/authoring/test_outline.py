@@ -140,7 +140,7 @@ def test_a_notebook_builds_on_earlier_notebooks_and_existing_chapters_only(secon
     later = edited(second, r'"01": ', r'"02": ')
     with pytest.raises(ValueError, match="no earlier notebook"):
         notebooks.student_notebook(later)
-    unknown = edited(second, r"03-moving-least-squares\]", "03-nothing]")
+    unknown = edited(second, r"12-moving-least-squares\]", "03-nothing]")
     with pytest.raises(ValueError, match="does not exist"):
         _ = Outline(unknown).chapters
 

@@ -238,7 +238,7 @@ def test_a_wrong_sign_of_one_flux_is_detected():
 
 def test_the_listing_of_the_chapter_runs():
     """It runs unchanged, on a mesh with fluxes; both ways give the velocities at vertices."""
-    text = (ROOT / "report" / "chapters" / "11-flow.md").read_text("utf-8")
+    text = (ROOT / "report" / "chapters" / "32-flow.md").read_text("utf-8")
     mesh = MESHES[2]()
     names = {
         "points": mesh.points,

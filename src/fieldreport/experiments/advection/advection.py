@@ -277,23 +277,26 @@ def plot(result: Result) -> Figure:
     """The initial shapes, and after one revolution without and with the limiter."""
     free, kept = result.arrays["turn_0_frames"], result.arrays["turn_2_frames"]
     return _maps(
-        result, (free[0], free[-1], kept[-1]), ("beginning", "one turn, free", "one turn, kept")
+        result, (free[-1], kept[-1]), ("beginning, exact", "one turn, free", "one turn, kept")
     )
 
 
 def plot_deformation(result: Result) -> Figure:
     """The shapes in the flow that reverses: initially, half-way, and at the end."""
     frames = result.arrays["deformation_2_frames"]
-    return _maps(result, frames, ("beginning", "half way", "back"))
+    return _maps(result, frames[1:], ("beginning, exact", "half way", "back"))
 
 
 def _maps(
-    result: Result, frames: np.ndarray | Sequence[np.ndarray], titles: tuple[str, ...]
+    result: Result, later: np.ndarray | Sequence[np.ndarray], titles: tuple[str, ...]
 ) -> Figure:
+    """Draw the exact shapes, whose edges the sites would not resolve, and later fields."""
     x = result.arrays["x"]
+    places = np.stack(np.meshgrid(x, x), axis=-1)
+    exact = shapes(places.reshape(-1, 2)).sum(axis=1).reshape(places.shape[:2])
     levels = np.arange(0.1, 1.0, 0.2)
     with figure(FULL_WIDTH, height=2.25, columns=3, sharey=True) as (page, axes):
-        for panel, frame, title in zip(axes, frames, titles, strict=True):
+        for panel, frame, title in zip(axes, (exact, *later), titles, strict=True):
             _shaded(panel, x, frame)
             panel.contour(x, x, frame, levels, colors="black", linewidths=0.4)
             panel.set(title=title, aspect="equal", xticks=[0, 0.5, 1], yticks=[0, 0.5, 1])

@@ -37,7 +37,7 @@ from fieldrecon.kernels.conditionally_positive_definite import (
 from fieldrecon.kernels.positive_definite import gaussian, matern, wendland
 from fieldrecon.methods.least_squares import monomial_matrix
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.plotting.style import figure, line, shades
+from fieldrecon.plotting.style import figure, hues, line, shades
 from fieldreport.framework.error_measures import order, order_of_magnitude
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
 from fieldreport.framework.parameters import Parameters, parameter
@@ -279,7 +279,7 @@ def _difference(params: Params) -> float:
 def plot(result: Result) -> Figure:
     """Error and condition number against the number of points, for every kernel."""
     sizes = np.array(result.params.sizes)
-    looks = shades("RBF", len(LABELS))
+    looks = hues(len(LABELS))
     with figure(height=3.3, columns=2) as (page, (errors, conditions)):
         for k, (label, look) in enumerate(zip(LABELS.values(), looks, strict=True)):
             solved = result.arrays["error"][k] > 0

@@ -26,7 +26,7 @@ from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
-from fieldrecon.plotting.style import figure, shades
+from fieldrecon.plotting.style import figure, hues
 from fieldrecon.polynomials import dimension
 from fieldreport.framework.error_measures import order_of_magnitude
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
@@ -173,7 +173,7 @@ def _difference(params: Params) -> float:
 def plot(result: Result) -> Figure:
     """Error against cost for every choice, patches growing along each curve."""
     choices = result.params.choices
-    looks = shades("PU", len(choices))
+    looks = hues(len(choices))
     with figure(height=5.0, rows=2, columns=2) as (page, panels):
         for k, (panel, title) in enumerate(zip(panels.flat, TITLES.values(), strict=True)):
             for i, ((label, *_), look) in enumerate(zip(choices.values(), looks, strict=True)):

@@ -26,7 +26,7 @@ from scipy.spatial import ConvexHull
 
 from fieldrecon.datasets.synthetic import uniform
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line, shades
+from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, hues, line
 from fieldrecon.polynomials import monomials
 from fieldreport.experiments.velocity.normal_matrix_rank import normal_matrix, one_ring, rank
 from fieldreport.framework.error_measures import order
@@ -420,7 +420,7 @@ def plot_approach(result: Result) -> Figure:
     with figure(FULL_WIDTH, 3.5, columns=2, sharey=True) as (page, axes):
         for panel, d, where in zip(axes, (2, 3), ("in the plane", "in space"), strict=True):
             lines = [(row, s) for row, s in rows if row[1] == d]
-            looks = [*shades("MLS", len(lines) - 1, markersize=3), line("truth")]
+            looks = [*hues(len(lines), markersize=3)[1:], line("truth")]
             for (row, s), look in zip(lines, looks, strict=True):
                 panel.plot(t, s, **(look | {"label": row[0], "linewidth": 0.9}))
             panel.set(xscale="log", yscale="log", xlabel="$t$", title=where)

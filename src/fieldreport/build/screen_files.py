@@ -1,0 +1,70 @@
+"""Files of the figures for the screen: an SVG, or a raster if the SVG is long.
+
+The one-file page embeds them, and the chapters of the site refer to them. Rasters are drawn by
+pinned workers, as figures are, so that their bytes are the same everywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from concurrent.futures import Future
+from pathlib import Path
+from typing import Any, Final
+
+from fieldrecon._core.atomic_files import write_atomically
+from fieldrecon._core.blas_threads import one_blas_thread
+from fieldrecon._core.digests import json_digest
+from fieldrecon.plotting.figure_files import figure_bytes
+from fieldreport import experiments
+from fieldreport.build import rerun
+from fieldreport.build.code_dependencies import code_digests
+from fieldreport.build.pinned_kernels import pins
+from fieldreport.build.rerun import ExperimentJob
+from fieldreport.build.screen_figures import light, webp
+from fieldreport.build.step_records import Steps, content_digest
+from fieldreport.framework.result_files import read_result
+
+LARGE: Final = 100_000
+"""Length of a figure as text above which a raster is smaller and is drawn faster."""
+
+
+def compute(
+    jobs: Iterable[ExperimentJob], steps: Steps, processes: int, progress: Any
+) -> list[Path]:
+    """Bring the files of all figures up to date; return them."""
+    keys = {(job, figure): _key(job, figure) for job in jobs for figure in job.experiment.plots}
+    outdated = [one for one, key in keys.items() if not steps.done(f"screen-{one[1]}", key)]
+    if outdated:
+        progress.add(len(outdated))
+        with rerun.workers(min(processes, len(outdated))) as pool:
+            futures = [(*one, pool.submit(_drawn, one[0].folder, one[1])) for one in outdated]
+            for job, figure, future in futures:
+                path = _written(steps.out, job.name, figure, future)
+                steps.record(f"screen-{figure}", keys[job, figure], [path])
+                progress.done(f"drew {figure} for the screen")
+    return sorted(path for _, figure in keys for path in steps.made(f"screen-{figure}"))
+
+
+def _key(job: ExperimentJob, figure: str) -> str:
+    printed = content_digest(job.figure_file(figure))
+    return json_digest({"printed": printed, "code": code_digests(__name__), "pins": pins()})
+
+
+def _written(out: Path, experiment: str, figure: str, future: Future) -> Path:
+    suffix, content = future.result()
+    path = out / "screen" / experiment / f"{figure}{suffix}"
+    path.with_suffix(".webp").unlink(missing_ok=True)  # it would be taken for the current one
+    return write_atomically(path, content)
+
+
+def _drawn(folder: Path, figure: str) -> tuple[str, bytes]:
+    """Return suffix and content of a figure: SVG, or a raster twice as fine as it is shown."""
+    experiment = experiments.get(folder.name)
+    picture = light((folder / f"{figure}.{rerun.FORMAT}").read_text(encoding="utf-8")).encode()
+    if len(picture) > LARGE:
+        with one_blas_thread():
+            drawn = experiment.plots[figure](read_result(folder, experiment))
+            raster = webp(figure_bytes(drawn, "png"))
+        if len(raster) < len(picture):
+            return ".webp", raster
+    return ".svg", picture
