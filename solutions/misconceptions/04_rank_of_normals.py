@@ -117,11 +117,9 @@ def as_if_all_components_were_known(points, normals):
     return points.shape[1] * np.linalg.matrix_rank(basis(local(points)), tol=1e-9)
 
 
-@answers("04.2")
+@answers("04.2", named=False)
 def zero_only_if_exactly(points, normals):
-    """Singular values were compared with zero exactly. Rounding makes zero singular values about
-    10⁻¹⁶. Which tolerance does the text give?
-    """
+    """Rounding makes zero singular values about 10⁻¹⁶, or zero, so these ranks are accidental."""
     return np.sum(singular_values(rows(local(points), normals)) > 0)
 
 
