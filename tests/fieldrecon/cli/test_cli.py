@@ -185,11 +185,11 @@ def test_columns_and_method_can_be_chosen(capsys, tmp_path, survey):
 
 
 class Page(HTMLParser):
-    """Parser of an HTML page: its text, its embedded images and every address it refers to."""
+    """Parser of an HTML page: its text, its embedded images, its links, and what it loads."""
 
     def __init__(self, text):
         super().__init__()
-        self.texts, self.open, self.fetched, self.images = [], [], [], 0
+        self.texts, self.open, self.links, self.loaded, self.images = [], [], [], [], 0
         self.feed(text)
 
     def handle_starttag(self, tag, attributes):
@@ -197,9 +197,9 @@ class Page(HTMLParser):
         if tag not in ("meta", "img"):
             self.open.append(tag)
         self.images += tag == "img" and attributes["src"].startswith("data:image/png;base64,")
-        self.fetched += [
-            v for k, v in attributes.items() if k in ("src", "href") and not v.startswith("data:")
-        ]
+        addresses = [attributes[key] for key in ("src", "href") if key in attributes]
+        refers = self.links if tag == "a" else self.loaded
+        refers += [address for address in addresses if not address.startswith("data:")]
 
     def handle_endtag(self, tag):
         assert self.open.pop() == tag
@@ -210,13 +210,15 @@ class Page(HTMLParser):
 
 @pytest.mark.slow
 def test_the_page_is_self_contained(tmp_path, survey):
-    """The page embeds its pictures, refers to no other file, and escapes names from the table."""
+    """The page embeds its pictures, loads nothing, links to the table that was written beside it,
+    and escapes names from the samples.
+    """
     table = survey.read_text().replace("depth [m]", "<script>&")
     survey.write_text(table + "1,2,?\n")
     assert reconstruct(survey, tmp_path / "a.csv", "--grid", "13x11", "--method", "pu") == 0
     text = (tmp_path / "a.html").read_text()
     page = Page(text)
-    assert (page.open, page.fetched, page.images) == ([], [], 4)
+    assert (page.open, page.loaded, page.links, page.images) == ([], [], ["a.csv"], 6)
     assert "url(" not in text
     assert "@import" not in text
     words = " ".join(page.texts)
