@@ -21,6 +21,7 @@ from fieldgrade.gradebook.item_analysis import ItemStatistics, items
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon.plotting.figure_files import figure_bytes
 from fieldrecon.plotting.style import FULL_WIDTH, figure
+from fieldreport.build.screen_figures import light
 from fieldreport.build.typesetting import Document
 
 TEXTS = Path(__file__).parent
@@ -83,6 +84,7 @@ def class_report(
         figures[drawn] = _outcomes_figure(its)
     for name, content in figures.items():
         write_atomically(out / "experiments" / f"{name}.svg", content)
+        write_atomically(out / "screen" / f"{name}.svg", light(content.decode()).encode())
     with TemporaryDirectory() as folder:
         text = Path(folder)
         _lay_out(text, source, values, titles)

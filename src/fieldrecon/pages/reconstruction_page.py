@@ -93,6 +93,8 @@ def pictures(survey: SurveyResult, colors: str = COLORS) -> dict[str, Figure]:
 
 def _is_known(survey: SurveyResult, name: str) -> bool:
     """Whether there is such a picture: those of a validation only if there is one."""
+    if name == "variogram":
+        return survey.has_variogram
     return name not in ("distances", "held_out") or not isinstance(survey.validations, str)
 
 
@@ -195,6 +197,8 @@ def _methods_section(survey: SurveyResult) -> Html:
 
 def _variogram_section(survey: SurveyResult) -> Html:
     """Return the nugget, the sill and the range of each value, in the words of kriging."""
+    if not survey.has_variogram:
+        return NOTHING
     found = {name: survey.variogram(k) for k, name in enumerate(survey.samples.value_names)}
     rows = (
         fill(

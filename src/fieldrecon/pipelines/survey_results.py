@@ -23,7 +23,7 @@ from fieldrecon.methods.tangent_plane import OnTangentPlane
 from fieldrecon.pages.reconstruction_page import COLORS, picture, pictures, summary
 from fieldrecon.pipelines.samples import Samples
 from fieldrecon.pipelines.validation import Validation
-from fieldrecon.pipelines.variograms import Variogram, variogram
+from fieldrecon.pipelines.variograms import FEWEST, Variogram, variogram
 from fieldrecon.reconstruction import Field
 from fieldrecon.selection.cross_validation import ModelScore
 from fieldrecon.selection.error_bands import COVERAGE
@@ -200,6 +200,11 @@ class SurveyResult:
     def plot_error(self, value: str | None = None, *, colors: str = COLORS) -> Figure:
         """Draw the error of the field, or of one of several values."""
         return picture(self, "error", self._index(value), colors)
+
+    @property
+    def has_variogram(self) -> bool:
+        """Whether there are enough samples for a variogram."""
+        return len(self.samples.points) >= FEWEST
 
     def variogram(self, k: int = 0) -> Variogram:
         """The variogram of the samples of the value of index k, on the globe in degrees."""

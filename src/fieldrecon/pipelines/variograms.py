@@ -8,9 +8,11 @@ import numpy as np
 from scipy.optimize import nnls
 from scipy.spatial.distance import cdist
 
+FEWEST = 10
+"""Samples of which a variogram says anything."""
 _MOST = 2000  # samples whose pairs are compared
 _BINS = 20
-_REACH = 0.5  # of the largest distance of two samples, up to which they are compared
+_REACH = 0.5  # of the largest distance: pairs up to there are compared, and half of them at least
 _RANGES = np.geomspace(0.02, 20.0, 60)  # of the reach, that are tried
 _LEAST_WHOLE, _LARGEST_WHOLE = 100, 1e7  # numbers that are written without a power of ten
 _PRACTICAL = 3.0  # at the range the model has reached 95 % of the sill
@@ -75,6 +77,11 @@ def _figure(number: float) -> str:
 def variogram(points: np.ndarray, values: np.ndarray, unit: str = "") -> Variogram:
     """Compute the variogram of samples at points (n, d) with values (n,), and fit the model.
 
+    Raises
+    ------
+    ValueError
+        If there are fewer than ten samples.
+
     References
     ----------
     Cressie, Statistics for Spatial Data (1993), sections 2.4 and 2.6; Pebesma, Multivariable
@@ -87,10 +94,12 @@ def variogram(points: np.ndarray, values: np.ndarray, unit: str = "") -> Variogr
     >>> bool(0.7 < variogram(points, noise).nugget < 1.2)
     True
     """
+    if len(points) < FEWEST:
+        raise ValueError(f"a variogram needs at least {FEWEST} samples; got {len(points)}")
     some = np.random.default_rng(0).permutation(len(points))[:_MOST]
     upper = np.triu_indices(len(some), 1)
     distance = cdist(points[some], points[some])[upper]
-    reach = _REACH * float(distance.max())
+    reach = max(_REACH * float(distance.max()), float(np.median(distance)))
     near = distance <= reach
     difference = values[some][upper[0][near]] - values[some][upper[1][near]]
     bins = np.minimum((_BINS * distance[near] / reach).astype(int), _BINS - 1)

@@ -1,6 +1,7 @@
 """The variogram: its bins are semivariances, and its model finds nugget, sill and range."""
 
 import numpy as np
+import pytest
 
 from fieldrecon.datasets.synthetic import uniform
 from fieldrecon.pipelines.variograms import variogram
@@ -38,3 +39,17 @@ def test_units_change_nothing_but_units():
     other = variogram(1e6 * POINTS, 1e3 * np.sin(9 * POINTS[:, 0]))
     np.testing.assert_allclose(other.sill, 1e6 * one.sill, rtol=1e-6)
     np.testing.assert_allclose(other.range, 1e6 * one.range, rtol=1e-6)
+
+
+def test_samples_that_are_all_far_apart_have_pairs():
+    """Corners of an icosahedron, none of which is within half its diameter of another."""
+    golden = (1 + np.sqrt(5)) / 2
+    corners = np.array([[0, a, b] for a in (-1, 1) for b in (-golden, golden)])
+    corners = np.concatenate([np.roll(corners, k, axis=1) for k in range(3)])
+    found = variogram(corners, corners[:, 0])
+    assert np.isfinite([found.nugget, found.sill, found.range]).all()
+
+
+def test_few_samples_have_no_variogram():
+    with pytest.raises(ValueError, match="at least 10 samples; got 9"):
+        variogram(POINTS[:9], POINTS[:9, 0])
