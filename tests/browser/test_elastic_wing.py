@@ -23,13 +23,14 @@ def library(state, data, numbers):  # noqa: ARG001
         steps.append(model.circulations(w, incidences) - g)
         g = g + state["relaxation"] * steps[-1]
     residual = np.linalg.norm(steps[5]) / np.linalg.norm(steps[0])
+    cancellation = np.linalg.norm(g) / np.linalg.norm(steps[5])  # a step is a small difference
     return {
         "exists": int(q < model.divergence_pressure),
         "tip": Rounded(z.reshape(model.lattice.shape[0] + 1, -1)[:, -1].mean(), 100 * condition),
         "lift": Rounded(model.lattice.lift_coefficient(gamma), 100 * condition),
         "rigidLift": model.lattice.lift_coefficient(rigid),
         "factor": q * model.eigenvalues[0].real,
-        "residual": Rounded(residual, 10 / residual),  # a small difference of circulations
+        "residual": Rounded(residual, 10 * cancellation),
     }
 
 
