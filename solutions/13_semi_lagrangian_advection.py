@@ -356,8 +356,8 @@ def orders():
 #    \rVert^3, 1, \mathbf{y}^T\bigr)^T, \tag{13.7} $$
 #
 # with $\Phi_{ab} = \lVert \mathbf{z}_a - \mathbf{z}_b \rVert^3$ and the rows $(1, \mathbf{z}_a^T)$
-# of $\mathbf{P}$. All other weights are zero. The matrix of (13.7) is that of notebook 12, so it is
-# written for you. `distances(x, points)`, which returns all distances, is ready-made, too.
+# of $\mathbf{P}$. All other weights are zero. You know the matrix of (13.7) from notebook 12, so it
+# is written for you. `distances(x, points)`, which returns all distances, is ready-made, too.
 
 
 # %% tags=["setup"]

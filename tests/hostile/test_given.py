@@ -21,7 +21,7 @@ def test_the_sentences_of_the_second_run_would_reveal_right_values(
 @pytest.mark.slow
 @pytest.mark.parametrize("how", ["1 / 0", "return np.zeros(9)", "return -np.ones(9)"])
 def test_the_time_and_the_kind_of_a_failure_carry_nothing(how, course, servers):
-    """The grade is that of an answer that behaves the same whatever it is given."""
+    """The answer earns as much as one that ignores what it is given."""
     wait = f"if {given.IS_GIVEN}:\n        import time; time.sleep(0.7)\n        {how}"
     grades = [
         grade(

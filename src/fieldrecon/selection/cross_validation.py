@@ -114,7 +114,7 @@ class ModelScore:
     def is_level_with(self, best: ModelScore) -> bool:
         """Whether its mean square error exceeds that of the best by at most one standard error.
 
-        The standard error is that of the mean of the differences, held-out sample by sample.
+        With the differences e of their squares at m held-out samples: mean(e) <= sqrt(var(e) / m).
         """
         excess = self.squares - best.squares
         weights = np.ones(len(excess)) if self.weights is None else self.weights
