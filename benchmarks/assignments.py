@@ -68,26 +68,39 @@ class BenchmarkAssignment:
         data = {"cells": made, "metadata": {"kernelspec": kernel}, "nbformat": 4}
         return json.dumps(data | {"nbformat_minor": 4}).encode()
 
-    def submission(self, number: int) -> tuple[bytes, set[str]]:
-        """A submission and its correct questions: of ten submissions, four have no error.
-
-        Of the other six, three lack an answer and three return wrong values.
-        """
-        names = list(self.answers)
-        k = number % 10
-        if k < 4:
-            return self.notebook({}), set(names)
-        wrong = names[-1 - (k - 4) % 3]
+    def submission(self, number: int) -> bytes:
+        """A submission: of ten, four are right, three lack an answer, three return wrong values."""
+        wrong = self.wrong(number)
+        if wrong is None:
+            return self.notebook({})
         cell = self.answers[wrong]
         head = cell.text.partition("\n")[0]
-        text = stub(cell) if k < 7 else f"{head}\n    return np.zeros((2, 3))\n"
-        return self.notebook({wrong: text}), set(names) - self._affected(wrong)
+        lacks = number % 10 < 7
+        return self.notebook(
+            {wrong: stub(cell) if lacks else f"{head}\n    return np.zeros((2, 3))\n"}
+        )
 
-    def _affected(self, wrong: str) -> set[str]:
-        """The wrong question and all questions whose answers call its function."""
+    def wrong(self, number: int) -> str | None:
+        """The question with a wrong answer, one of the last three."""
+        names, k = list(self.answers), number % 10
+        return None if k < 4 else names[-1 - (k - 4) % 3]
+
+    def right(self, number: int, *, inherit: bool) -> set[str]:
+        """The questions that earn their points.
+
+        Where mistakes are inherited, answers that call a wrong one do not.
+        """
+        wrong = self.wrong(number)
+        if wrong is None:
+            return set(self.answers)
+        lost = {wrong, *self._callers(wrong)} if inherit else {wrong}
+        return set(self.answers) - lost
+
+    def _callers(self, wrong: str) -> set[str]:
+        """All questions whose answers call a function, directly or not."""
         function = questions()[wrong].function
         direct = {n for n, c in self.answers.items() if f"{function}(" in c.text} - {wrong}
-        return {wrong}.union(*map(self._affected, direct))
+        return direct.union(*map(self._callers, direct))
 
 
 def test(name: str, functions: Mapping[str, object]) -> str:

@@ -45,7 +45,7 @@ class Size:
 
 FULL = Size()
 QUICK = Size(submissions=20, of_nbgrader=2, of_otter=1, repeats=1)
-TOY = Size(submissions=2, of_nbgrader=0, of_otter=0, assignments=(SMALL,), repeats=1)
+TOY = Size(submissions=7, of_nbgrader=0, of_otter=0, assignments=(SMALL,), repeats=1)
 
 
 @dataclass(frozen=True)
@@ -80,13 +80,12 @@ class Bench:
 
     def __init__(self, folder: Path, assignment: BenchmarkAssignment, size: Size) -> None:
         self.folder, self.assignment, self.tiers = folder, assignment, set[str]()
-        self.right = [assignment.submission(k)[1] for k in range(10)]
         self.count = size.submissions
         (folder / "tables").mkdir()
         for k in range(size.submissions):
             file = folder / "in" / f"s{k:03}" / "work.ipynb"
             file.parent.mkdir(parents=True)
-            file.write_bytes(assignment.submission(k)[0])
+            file.write_bytes(assignment.submission(k))
         self.peers = {
             name: graders.PEERS[name](folder / name, assignment, _files(assignment, number))
             for name, number in (("nbgrader", size.of_nbgrader), ("otter", size.of_otter))
@@ -139,7 +138,7 @@ class Bench:
             {g["question"] for g in record["grades"] if g["verdict"]["outcome"] == "right"}
             for record in sorted(records, key=lambda record: record["student"])
         ]
-        self._require_right("fieldrecon", found, self.count)
+        self._require_right("fieldrecon", found, self.count, inherit=False)
         return Cost(seconds / self.count, cpu / self.count)
 
     def _with_peer(self, name: str) -> Cost:
@@ -147,17 +146,23 @@ class Bench:
         start, before = time.perf_counter(), _cpu_of_children()
         found = peer.grade()
         seconds, cpu = time.perf_counter() - start, _cpu_of_children() - before
-        self._require_right(name, found, len(peer.files))
+        self._require_right(name, found, len(peer.files), inherit=True)
         return Cost(seconds / len(peer.files), cpu / len(peer.files))
 
-    def _require_right(self, who: str, found: Sequence[set[str]], count: int) -> None:
-        wanted = [self.right[k % 10] for k in range(count)]
-        if list(found) != wanted:
-            raise RuntimeError(f"{who} grades otherwise: {found} instead of {wanted}")
+    def _require_right(
+        self, who: str, found: Sequence[set[str]], count: int, *, inherit: bool
+    ) -> None:
+        if len(found) != count:
+            raise RuntimeError(f"{who} grades {len(found)} submissions instead of {count}")
+        for k, questions in enumerate(found):
+            wanted = self.assignment.right(k, inherit=inherit)
+            if questions != wanted:
+                message = f"{who}, submission {k}: {sorted(questions)} instead of {sorted(wanted)}"
+                raise RuntimeError(message)
 
 
 def _files(assignment: BenchmarkAssignment, number: int) -> list[bytes]:
-    return [assignment.submission(k)[0] for k in range(number)]
+    return [assignment.submission(k) for k in range(number)]
 
 
 def _adopt_orphans() -> None:
@@ -210,7 +215,8 @@ COLUMNS = ("assignment", "grader", "seconds", "least", "most", "CPU seconds", "s
 NOTE = (
     f"The grader is the whole command: it starts, archives what was received, grades, writes. On "
     f"the small notebook its CPU seconds, both sides of the walls together, are to be at most "
-    f"{MOST_CPU}. All graders found the same questions right, as was required of them."
+    f"{MOST_CPU}. Each grader found exactly the right answers, as was required of it; fieldrecon "
+    f"also pays a right answer that calls a wrong one."
 )
 
 

@@ -51,7 +51,7 @@ def run(size: Size, track: Track) -> BenchmarkResult:
             for k in range(WARM_UP + size.submissions):
                 file = folder / "in" / f"s{k:03}" / "work.ipynb"
                 file.parent.mkdir(parents=True)
-                file.write_bytes(BenchmarkAssignment(name).submission(k)[0])
+                file.write_bytes(BenchmarkAssignment(name).submission(k))
             seconds: dict[tuple[int, int], list[float]] = {shape: [] for shape in SHAPES}
             for shape in track([*SHAPES] * size.repeats, f"grading_workers, {name}"):
                 seconds[shape].append(_seconds(folder, tier, *shape))
