@@ -116,7 +116,6 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
     result = read_benchmark(params.results)
     (table,) = tables(result)
     runs = [MethodRun._make(row) for row in select_columns(table, COLUMNS).rows]
-    ratios = {(c["what"], c["peer"]): c for c in result["comparisons"]}
     machine, patience = result["machine"], result["parameters"]["patience in seconds"]
     lost = uncovered(runs)
     facts = {
@@ -135,7 +134,7 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
         "patience": patience,
         "stopped": sum("stopped after" in note for note in result["notes"]),
         **_numbers(runs),
-        **_targets(runs, ratios, patience),
+        **_targets(runs, patience),
     }
     told = {
         "runs": ResultTable(COLUMNS, tuple(runs)),
@@ -145,7 +144,7 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
             ("package", "version"), tuple((name, f"version {machine[name]}") for name in PACKAGES)
         ),
         **{
-            f"{data}_{n}": _side_by_side(runs, ratios, data, n)
+            f"{data}_{n}": _side_by_side(runs, data, n)
             for data, n in dict.fromkeys((r.data, r.sites) for r in runs)
         },
     }
@@ -184,35 +183,13 @@ def _loss(runs: Sequence[MethodRun], peer: MethodRun) -> tuple[str | int | float
     return peer.data, peer.sites, peer.method, peer.total, peer.rms, error, seconds
 
 
-def _side_by_side(
-    runs: Iterable[MethodRun],
-    ratios: Mapping[tuple[str, str], Mapping[str, float]],
-    data: str,
-    n: int,
-) -> ResultTable:
-    """Every method on one data set, by increasing error, with times relative to our default."""
-    rows = []
-    for r in sorted((r for r in runs if (r.data, r.sites) == (data, n)), key=lambda r: r.rms):
-        c = ratios.get((f"{data}, {n} sites: fit and evaluate", r.method))
-        times = f"{_times(c['ratio'])} ({_times(c['most'])} … {_times(c['least'])})" if c else NONE
-        rows.append((r.method, r.fit, r.evaluate, times, r.rms, r.cpu / r.total, r.memory))
+def _side_by_side(runs: Iterable[MethodRun], data: str, n: int) -> ResultTable:
+    """Every method on one data set, by increasing error."""
+    here = sorted((r for r in runs if (r.data, r.sites) == (data, n)), key=lambda r: r.rms)
     return ResultTable(
-        (
-            "method",
-            "fit s",
-            "evaluate s",
-            "times our time",
-            "rms error",
-            "cores busy",
-            "memory MiB",
-        ),
-        tuple(rows),
+        ("method", "fit s", "evaluate s", "rms error", "cores busy", "memory MiB"),
+        tuple((r.method, r.fit, r.evaluate, r.rms, r.cpu / r.total, r.memory) for r in here),
     )
-
-
-def _times(ratio: float) -> str:
-    """Return the reciprocal of a ratio, with two digits or more."""
-    return f"{1 / ratio:.2g}" if ratio > 0.1 else f"{1 / ratio:.0f}"
 
 
 def _numbers(runs: Sequence[MethodRun]) -> dict[str, float | str]:
@@ -233,25 +210,17 @@ def _numbers(runs: Sequence[MethodRun]) -> dict[str, float | str]:
     return facts
 
 
-def _targets(
-    runs: Sequence[MethodRun],
-    ratios: Mapping[tuple[str, str], Mapping[str, float]],
-    patience: float,
-) -> dict[str, float | str]:
+def _targets(runs: Sequence[MethodRun], patience: float) -> dict[str, float | str]:
     """Return the facts about the targets: the largest clouds against the fast multipole method."""
     facts: dict[str, float | str] = {}
     for data in ("smooth", "cube"):
         n = max(r.sites for r in runs if r.data == data)
         here = {r.method: r for r in runs if (r.data, r.sites) == (data, n)}
         rival = min((r for m, r in here.items() if m.startswith("ferreus")), key=lambda r: r.rms)
-        c = ratios[f"{data}, {n} sites: fit and evaluate", rival.method]
         ours = here[USUAL]
         facts |= {
             f"{data}_sites": n,
             f"{data}_rival": rival.method,
-            f"{data}_times": 1 / c["ratio"],
-            f"{data}_times_least": 1 / c["most"],
-            f"{data}_times_most": 1 / c["least"],
             f"{data}_error_ratio": rival.rms / ours.rms,
             f"{data}_gigabytes": ours.memory / 1024,
             f"{data}_seconds": ours.total,
