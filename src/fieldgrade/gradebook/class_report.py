@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from fieldgrade.checking.results import Results
-from fieldgrade.gradebook.grade_sheets import GradeLine, GradeSheet
+from fieldgrade.gradebook.grade_sheets import GradeSheet, LineOutcome
 from fieldgrade.gradebook.item_analysis import ItemStatistics, items
 from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon.plotting.figure_files import figure_bytes
@@ -30,7 +30,13 @@ SHARED = ("filters", "template.html", "template.typ", "style.css", "references.b
 WRAPPED = "table.result td { white-space: normal; }\n"
 """The tables of this report contain sentences, not only numbers."""
 
-OUTCOMES = {"right": "#2a6428", "in part": "#d7a65f", "wrong": "#a33b00", "not written": "#c8ccd2"}
+OUTCOMES: Mapping[LineOutcome, tuple[str, str]] = {
+    "right": ("right", "#2a6428"),
+    "half": ("in part", "#d7a65f"),
+    "wrong": ("wrong", "#a33b00"),
+    "missing": ("not written", "#c8ccd2"),
+}
+"""Words and colours of the outcomes of graded answers."""
 SANDBOX = {"bubblewrap": "bubblewrap", "landlock": "Landlock", "none": "none", "": "did not run"}
 STATUS = {
     "partly": "graded in part: something broke down",
@@ -231,13 +237,12 @@ def _points_figure(by_number: Mapping[str, Sequence[GradeSheet]]) -> bytes:
 def _outcomes_figure(its: Sequence[GradeSheet]) -> bytes:
     """Draw a stacked bar of outcomes for each question."""
     asked = [line.question for line in its[0].lines]
+    found = [Counter(sheet.lines[k].outcome for sheet in its) for k in range(len(asked))]
     with figure(FULL_WIDTH, 0.9 + 0.26 * len(asked)) as (page, axes):
         start = np.zeros(len(asked))
-        for name, color in OUTCOMES.items():
-            counts = np.array(
-                [sum(_outcome(s.lines[k]) == name for s in its) for k in range(len(asked))]
-            )
-            axes.barh(asked, counts, left=start, color=color, height=0.7, label=name)
+        for outcome, (words, color) in OUTCOMES.items():
+            counts = np.array([of_question[outcome] for of_question in found])
+            axes.barh(asked, counts, left=start, color=color, height=0.7, label=words)
             start = start + counts
         axes.invert_yaxis()
         axes.set_xlabel("answers")
@@ -245,15 +250,3 @@ def _outcomes_figure(its: Sequence[GradeSheet]) -> bytes:
         axes.xaxis.get_major_locator().set_params(integer=True)
         axes.legend(ncols=len(OUTCOMES), loc="lower left", bbox_to_anchor=(0, 1), borderaxespad=0.2)
     return figure_bytes(page, "svg")
-
-
-def _outcome(line: GradeLine) -> str:
-    """Return the outcome of an answer; empty if it is not graded yet."""
-    if line.how == "open":
-        return ""
-    if line.points >= line.possible:
-        return "right"
-    if line.points:
-        return "in part"
-    unwritten = line.grade is not None and line.grade.verdict.finding in ("unwritten", "missing")
-    return "not written" if unwritten else "wrong"

@@ -137,7 +137,7 @@ def _at_a_glance(sheet: GradeSheet) -> str:
 def _square(line: GradeLine) -> str:
     outcome = explained(line).outcome
     text = f"{heading(line)}: {outcome}, {_points(line)} of {short(line.possible)}"
-    return f'<i class="{_kind(line)}" title="{escape(text)}"></i>'
+    return f'<i class="{line.outcome}" title="{escape(text)}"></i>'
 
 
 def _title(notebook: str, title: str) -> str:
@@ -204,7 +204,7 @@ def _answer(line: GradeLine) -> str:
     paragraphs = "".join(f"<p>{_with_code(text)}</p>" for text in sentences)
     quoted = f"<pre>{escape(code)}</pre>" if code else ""
     return (
-        f'<article class="answer {_kind(line)}"><header><h3>{escape(heading(line))} — '
+        f'<article class="answer {line.outcome}"><header><h3>{escape(heading(line))} — '
         f'<span class="outcome">{escape(outcome)}</span></h3>'
         f'<span class="points">{_points(line)} of {short(line.possible)}</span></header>'
         f"{paragraphs}{quoted}{figure}</article>"
@@ -218,18 +218,6 @@ def _with_code(text: str) -> str:
 
 def _points(line: GradeLine) -> str:
     return "–" if line.how == "open" else short(line.points)
-
-
-def _kind(line: GradeLine) -> str:
-    """Return the CSS class of an answer."""
-    if line.how == "open":
-        return "open"
-    if line.points >= line.possible:
-        return "right"
-    if line.points:
-        return "half"
-    is_missing = line.grade is not None and line.grade.verdict.finding in ("missing", "unwritten")
-    return "missing" if is_missing else "wrong"
 
 
 def _drawn(line: GradeLine) -> str:

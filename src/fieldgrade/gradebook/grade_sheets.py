@@ -16,6 +16,7 @@ SHARE = 0.1
 """Without assignments, a notebook counts if this share of the most submitted one submitted it."""
 
 How = Literal["checked", "read", "override", "open"]
+LineOutcome = Literal["right", "half", "wrong", "missing", "open"]
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,18 @@ class GradeLine:
     title: str = ""
     function: str = ""
     counts: bool = True
+
+    @property
+    def outcome(self) -> LineOutcome:
+        """Whether the answer earned all its points, some or none, is missing, or has no mark."""
+        if self.how == "open":
+            return "open"
+        if self.points >= self.possible:
+            return "right"
+        if self.points:
+            return "half"
+        finding = None if self.grade is None else self.grade.verdict.finding
+        return "missing" if finding in ("missing", "unwritten") else "wrong"
 
 
 @dataclass(frozen=True)
