@@ -282,6 +282,23 @@ def test_a_sheet_two_spacings_thick_has_two_sides():
     assert np.abs(np.abs(mesh.points[inner, 2]) - 0.02).max() < 0.5 * body.spacing
 
 
+@pytest.mark.slow
+def test_noise_raises_no_bulge_at_the_edges_of_a_plate():
+    """The plate is three spacings thick, and its points have noise of 0.28 spacings.
+
+    No vertex is farther than 1.2 spacings from the plate, and the root mean square is below the
+    noise. Outward directions from 32 neighbours of both sides made bulges of six spacings.
+    """
+    solid = Box([0.7, 0.7, 0.08])
+    points, _ = cloud(solid, 1250)
+    spacing = spacing_of(points)
+    rough = points + 0.28 * spacing * np.random.default_rng(6).standard_normal(points.shape)
+    body = implicit_surface(rough)
+    distance = solid(extract_surface(body).points) / spacing
+    assert np.abs(distance).max() < 1.2
+    assert np.sqrt(np.mean(distance**2)) < 0.28
+
+
 def test_a_sheet_thinner_than_half_the_spacing_is_reported_as_noisy():
     """Given normals and no smoothing, the two sides are reconstructed."""
     solid = Box([0.6, 0.6, 0.01])
