@@ -379,7 +379,7 @@ def test_meshes_of_arbitrary_fields_are_clean():
 
 
 def test_linear_interpolation_misses_the_zero_level(monkeypatch):
-    """Without Newton steps the error at the vertices is of the order of the squared cell size."""
+    """Without further steps the error at the vertices is of the order of the squared cell size."""
     monkeypatch.setattr(surface_extraction, "_MAX_STEPS", 0)
     mesh = extract_surface(Ball(1.0), 0.1)
     assert np.abs(Ball(1.0)(mesh.points)).max() > 1e-4
