@@ -102,11 +102,11 @@ def extract_surface(
     """Triangles on the surface {F = 0} of a body.
 
     Marching cubes connects the edges of a grid whose ends have different signs; on each of these
-    edges the vertex is moved to F = 0, by values of F alone. From the cells that contain points near the
-    surface, the surface is followed through the faces that it crosses. The result is closed,
-    oriented and without self-intersections for any field. Sharp edges are cut off by less than a
-    cell, parts thinner than a cell may be lost, and parts that extend over fewer than three cells
-    are dropped.
+    edges the vertex is moved to F = 0, by values of F alone. From the cells that contain points
+    near the surface, the surface is followed through the faces that it crosses. The result is
+    closed, oriented and without self-intersections for any field. Sharp edges are cut off by less
+    than a cell, parts thinner than a cell may be lost, and parts that extend over fewer than three
+    cells are dropped.
 
     Parameters
     ----------

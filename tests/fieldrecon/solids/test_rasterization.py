@@ -25,9 +25,9 @@ def test_the_picture_of_a_fine_mesh_is_that_of_its_body_by_ray_tracing(toward):
 
 
 def test_the_nearest_triangle_is_visible_in_its_own_colour():
-    """A red triangle before a blue one, in either order; every pixel on the shared edge is drawn."""
+    """A red square hides a blue one, in either order, and no pixel on its diagonal is left out."""
     square = np.array([[-1.0, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]])
-    points = np.vstack([square, square + [0, 0.5, 0]])
+    points = np.concatenate([square, square + np.array([0, 0.5, 0])])
     triangles = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]])
     view = fr.solids.View.of_box([[-1.0] * 3, [1.0] * 3], (0, -1, 0), 21)
     red, blue = [1.0, 0, 0], [0, 0, 1.0]
