@@ -28,6 +28,7 @@ NAMES = (
     "grading_class",
     "mesh_audit",
     "normals",
+    "surfaces",
     "patch_sizes",
     "streaming",
     "peers",

@@ -30,7 +30,7 @@ def no_bar(items, what):  # noqa: ARG001
 
 
 LONG = {"memory", "mesh_scaling", "patch_sizes", "peers", "streaming", "million", "surveys"}
-LONG |= {"grading", "grading_class", "grading_workers"}
+LONG |= {"grading", "grading_class", "grading_workers", "surfaces"}
 """These are slow even at the smallest size: they start processes or triangulate."""
 TOY_RUNS = [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in command.NAMES]
 

@@ -141,7 +141,8 @@ def _picture(scan: ScanResult, up: str, stage: Stages) -> bytes:
     """Draw the surface, as PNG; empty without the packages that draw."""
     if absent(*PICTURES):
         return b""
-    return figure_bytes(picture(scan, up, progress=stage("drawing")), "png")
+    stage("drawing")
+    return figure_bytes(picture(scan, up), "png")
 
 
 def _precision_warning(scan: ScanResult, path: Path) -> Iterator[str]:

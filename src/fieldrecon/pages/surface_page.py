@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from fieldrecon._core.chunks import Progress
 from fieldrecon._core.extras import PICTURES, absent, require
 from fieldrecon.pages.one_page import fill, page, pairs
 from fieldrecon.plotting.figure_files import figure_bytes
@@ -19,7 +18,7 @@ UP = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
 """Directions that may point up in the picture."""
 
 
-def picture(scan: ScanResult, up: str = "z", *, progress: Progress | None = None) -> Figure:
+def picture(scan: ScanResult, up: str = "z") -> Figure:
     """Draw the surface from two sides.
 
     Raises
@@ -34,7 +33,7 @@ def picture(scan: ScanResult, up: str = "z", *, progress: Progress | None = None
     require(*PICTURES)
     from fieldrecon.plotting.surface_picture import plot
 
-    return plot(scan, UP[up], progress=progress)
+    return plot(scan, UP[up])
 
 
 def surface_page(
@@ -59,7 +58,7 @@ def surface_page(
     return page(
         f"{scan.source}, as a surface",
         f"From {scan.sources} of {scan.source}.",
-        {"The surface, shaded by the gradient of its field": drawn} if drawn else {},
+        {"The surface, from two sides": drawn} if drawn else {},
         warnings,
         fill("<h2>Distances of the points from the mesh</h2>$distances", distances=distances),
         parameters,

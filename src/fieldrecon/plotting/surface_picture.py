@@ -9,11 +9,10 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from scipy.spatial import cKDTree
 
-from fieldrecon._core.chunks import Progress
 from fieldrecon.plotting.style import FULL_WIDTH, figure
-from fieldrecon.solids.ray_casting import OUTSIDE, View, ray_traced
+from fieldrecon.solids.rasterization import rasterized
+from fieldrecon.solids.ray_casting import OUTSIDE, View
 
 if TYPE_CHECKING:
     from fieldrecon.pipelines.scans import ScanResult
@@ -26,22 +25,21 @@ _VIEWS = {"from the front": (0.35, -0.9, 0.25), "from behind": (-0.6, 0.75, 0.3)
 """Directions to the viewer: to the right, backward and up, if z is up."""
 
 
-def plot(scan: ScanResult, up: Sequence[float], *, progress: Progress | None = None) -> Figure:
-    """Ray-trace the surface from two sides; it is coloured where it is far from all points."""
-    mesh, tree = scan.mesh, cKDTree(scan.body.points)
+def plot(scan: ScanResult, up: Sequence[float]) -> Figure:
+    """Draw the mesh from two sides; it is coloured where it is far from all points."""
+    mesh = scan.mesh
     margin = 2 * mesh.spacing
     box = [mesh.points.min(axis=0) - margin, mesh.points.max(axis=0) + margin]
-
-    def color(points: np.ndarray) -> np.ndarray:
-        far = tree.query(points)[0] > scan.far
-        return np.where(far[:, None], to_rgb(_INVENTED), OUTSIDE)
-
-    images = {}
-    for title, toward in _VIEWS.items():
-        view = View.of_box(box, _rotated(toward, up), _PIXELS, up)
-        images[title] = ray_traced(
-            scan.body, view, mesh.spacing, near=mesh.points, color=color, progress=progress
+    color = np.where(scan.gaps[:, None], to_rgb(_INVENTED), OUTSIDE)
+    images = {
+        title: rasterized(
+            mesh.points,
+            mesh.triangles,
+            View.of_box(box, _rotated(toward, up), _PIXELS, up),
+            color,
         )
+        for title, toward in _VIEWS.items()
+    }
     tallest = max(image.shape[0] / image.shape[1] for image in images.values())
     with figure(height=FULL_WIDTH / 2 * tallest + _MARGIN, columns=2) as (drawn, axes):
         for panel, (title, image) in zip(axes, images.items(), strict=True):

@@ -1,7 +1,7 @@
 """Solids as functions that are positive inside: set operations, shapes, extraction, ray tracing.
 
 Union, intersection, difference and blending (Wendland (2005), section 1.1), the surface of a
-solid as triangles by marching cubes, and pictures by ray tracing.
+solid as triangles by marching cubes, and pictures by ray tracing or of the triangles.
 """
 
 from fieldrecon.solids.constructive import (

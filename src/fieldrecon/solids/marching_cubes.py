@@ -1,4 +1,4 @@
-"""Extraction of the surface of a body by marching cubes, with vertices refined by Newton steps.
+"""Extraction of the surface of a body by marching cubes, with vertices at zeros of the field.
 
 Only the cells that the surface crosses are evaluated: from the cells of known points, the surface
 is followed from cell to cell.
@@ -26,8 +26,8 @@ from fieldrecon.solids.shapes import Box
 from fieldrecon.triangles.audit import MeshAudit, audit_mesh
 
 _CELLS = 64  # along the longest side of the box, by default
-_MAX_STEPS = 60  # each is a Newton step or a bisection
-_SETTLED = 1e-9  # of an edge: tolerance of the vertices
+_MAX_STEPS = 60  # each is an interpolation or a bisection
+_SETTLED = 1e-7  # of an edge: the last step, beyond which the next would be far smaller
 _SPECK = 3  # cells: smaller parts of the surface are dropped
 _ROUNDINGS = 64  # of the largest coordinate, if larger
 _APART = 1e-6  # of an edge: smallest distance of a vertex from its ends
@@ -102,11 +102,11 @@ def extract_surface(
     """Triangles on the surface {F = 0} of a body.
 
     Marching cubes connects the edges of a grid whose ends have different signs; on each of these
-    edges the vertex is moved to F = 0 by Newton steps. From the cells that contain points near the
-    surface, the surface is followed through the faces that it crosses. The result is closed,
-    oriented and without self-intersections for any field. Sharp edges are cut off by less than a
-    cell, parts thinner than a cell may be lost, and parts that extend over fewer than three cells
-    are dropped.
+    edges the vertex is moved to F = 0, by values of F alone. From the cells that contain points
+    near the surface, the surface is followed through the faces that it crosses. The result is
+    closed, oriented and without self-intersections for any field. Sharp edges are cut off by less
+    than a cell, parts thinner than a cell may be lost, and parts that extend over fewer than three
+    cells are dropped.
 
     Parameters
     ----------
@@ -141,7 +141,8 @@ def extract_surface(
     References
     ----------
     Lorensen and Cline, Marching cubes (1987); Bloomenthal, Polygonization of implicit surfaces
-    (1988), for following; Wendland (2005), section 1.1.
+    (1988), for following; Chandrupatla, A new hybrid quadratic/bisection algorithm for finding the
+    zero of a nonlinear function without using derivatives (1997); Wendland (2005), section 1.1.
 
     Examples
     --------
@@ -214,32 +215,43 @@ def _without_specks(
 def _on_edges(
     solid: Solid, grid: Grid, ends: tuple[np.ndarray, np.ndarray], values: np.ndarray
 ) -> np.ndarray:
-    """Zeros of F on edges, by Newton steps with bisection if a step leaves the bracket."""
+    """Zeros of F on edges, by the method of Chandrupatla (1997), which takes values of F alone."""
     lower, axis = ends
     step = np.eye(3, dtype=np.int64)[axis]
     start = values[tuple(lower.T)].astype(float)
     end = values[tuple((lower + step).T)].astype(float)
-    base, sign = grid.nodes(lower), np.where(start > 0, 1.0, -1.0)
-    low, high = np.zeros(len(base)), np.ones(len(base))
-    t = start / (start - end)
+    base = grid.nodes(lower)
     apart = max(_APART, _ROUNDINGS * EPS * float(np.abs(base).max()) / grid.spacing)
-    active = np.arange(len(base))
+    t, a = start / (start - end), np.arange(len(base))
+    # the newest point, the nearest one across the zero, and the one that was replaced
+    x = np.stack([np.ones_like(t), np.zeros_like(t), np.ones_like(t)])
+    f = np.stack([end, start, end])
     for _ in range(_MAX_STEPS):
-        a, k = active, axis[active]
-        x = base[a] + grid.spacing * t[a, None] * step[a]
-        f = solid(x)
-        slope = grid.spacing * solid.gradient(x)[np.arange(len(a)), k]
-        before = sign[a] * f > 0
-        low[a], high[a] = np.where(before, t[a], low[a]), np.where(before, high[a], t[a])
-        newton = t[a] - np.divide(f, slope, out=np.full(len(a), np.inf), where=slope != 0)
-        settled = np.abs(newton - t[a]) < _SETTLED
-        inside = settled | ((newton > low[a]) & (newton < high[a]))
-        t[a] = np.where(inside, newton, (low[a] + high[a]) / 2)
-        settled |= high[a] - low[a] < _SETTLED
-        active = a[~settled]
-        if len(active) == 0:
+        value = solid(base[a] + grid.spacing * t[a, None] * step[a])
+        order = np.where((value > 0) == (f[0] > 0), [[1], [0]], [[0], [1]])
+        x = np.concatenate([t[None, a], np.take_along_axis(x, order, axis=0)])
+        f = np.concatenate([value[None], np.take_along_axis(f, order, axis=0)])
+        change = _next_share(x, f) * (x[1] - x[0])
+        t[a] += change
+        moving = np.abs(change) > _SETTLED
+        a, x, f = a[moving], x[:, moving], f[:, moving]
+        if len(a) == 0:
             break
     return base + grid.spacing * np.clip(t, apart, 1 - apart)[:, None] * step
+
+
+def _next_share(x: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """The next point (n,) on the way from x_0 (0) to x_1 (1), of points x and values f (3, n).
+
+    It is that of inverse quadratic interpolation, or the middle where the inverse function would
+    not be monotone.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        place, height = (x[0] - x[1]) / (x[2] - x[1]), (f[0] - f[1]) / (f[2] - f[1])
+        monotone = (1 - np.sqrt(1 - place) < height) & (height < np.sqrt(place))
+        inverse = f[0] / (f[1] - f[0]) * f[2] / (f[1] - f[2])
+        inverse += (x[2] - x[0]) / (x[1] - x[0]) * f[0] / (f[2] - f[0]) * f[1] / (f[2] - f[1])
+    return np.where(f[0] == 0, 0.0, np.where(monotone, inverse, 0.5))
 
 
 def _trimmed(

@@ -33,7 +33,8 @@ class CleanedCloud:
     points, outward : (n, 3) ndarray
     trusted, beside : (n,) ndarray of bool
         Whether `outward` is the normal of a plane through the neighbours that agrees with theirs,
-        or an outward direction as at an edge or boundary. Otherwise it is meaningless.
+        or an outward direction as at an edge or boundary, which is not taken from noisy points.
+        Otherwise it is meaningless.
     left_out : (k,) ndarray of int
     spacing, noise : float
     warnings : tuple of str
@@ -64,13 +65,16 @@ def as_clean_cloud(points: ArrayLike, normals: ArrayLike | None) -> CleanedCloud
     spacing = spacing_of(p)
     noise = noise_of(p)
     if n is None:
-        estimate = _estimate(p, noise > _ROUGH * spacing)
+        rough = noise > _ROUGH * spacing
+        estimate = _estimate(p, rough)
         if not estimate.planar.any():
             raise np.linalg.LinAlgError(
                 "the points do not lie on a surface: no plane fits the neighbours of any point"
             )
         outward = orient_normals(p, estimate.vectors, estimate.neighbors[:, :9])
         outward, trusted, beside = _with_agreement(p, outward, estimate.planar, estimate.neighbors)
+        # so many neighbours lie on both sides of a thin sheet, and their mean may point inward
+        beside &= not rough
     else:
         outward, trusted = n[kept], np.ones(len(p), dtype=bool)
         beside = ~trusted

@@ -1,0 +1,40 @@
+"""Rasterization of triangles: the same picture as by ray tracing, hidden parts, colours."""
+
+import numpy as np
+import pytest
+
+import fieldrecon as fr
+from fieldrecon.solids.rasterization import rasterized
+from fieldrecon.solids.shapes import Ball
+
+BOX = [[-1.2] * 3, [1.2] * 3]
+
+
+@pytest.mark.parametrize("toward", [(0, -1, 0), (0.3, -1.0, 0.4)])
+def test_the_picture_of_a_fine_mesh_is_that_of_its_body_by_ray_tracing(toward):
+    """Two overlapping balls: the same pixels, and colours within 0.02, but for a few at edges."""
+    body = Ball(0.7) | Ball(0.5, [0.3, -0.5, 0.4])
+    mesh = fr.extract_surface(body, 0.05)
+    view = fr.solids.View.of_box(BOX, toward, 60)
+    found = rasterized(mesh.points, mesh.triangles, view)
+    exact = fr.solids.ray_traced(body, view, 0.05)
+    assert found.shape == exact.shape
+    assert (exact[..., 3] > 0).mean() > 0.1
+    assert (np.abs(found - exact).max(axis=2) > 0.02).mean() < 0.05
+    assert (found[..., 3] != exact[..., 3]).mean() < 0.01
+
+
+def test_the_nearest_triangle_is_visible_in_its_own_colour():
+    """A red square hides a blue one, in either order, and no pixel on its diagonal is left out."""
+    square = np.array([[-1.0, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]])
+    points = np.concatenate([square, square + np.array([0, 0.5, 0])])
+    triangles = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]])
+    view = fr.solids.View.of_box([[-1.0] * 3, [1.0] * 3], (0, -1, 0), 21)
+    red, blue = [1.0, 0, 0], [0, 0, 1.0]
+    for order in (np.arange(4), np.array([2, 3, 0, 1])):
+        colors = np.array([red, red, blue, blue])[order]
+        image = rasterized(points, triangles[order], view, colors)
+        assert (image[..., 3] == 1).all()
+        assert (image[..., 0] > image[..., 2]).all()
+    behind = rasterized(points, triangles[2:], view, blue)
+    assert (behind[..., 2] > behind[..., 0]).all()
