@@ -3,7 +3,8 @@
 The held-out samples are as far from the fitted ones as the queries are from all samples, see
 `fieldrecon.selection.distance_matching`. All models are compared on the first folds, with their
 smoothing chosen there; those near the best are then compared on all folds. Of the models whose
-errors there cannot be told from the least, the most cautious is chosen. Of many samples, only those
+errors there cannot be told from the least, the most cautious is chosen. Where queries are in gaps,
+its patches are made wider unless the errors speak against it. Of many samples, only those
 in some windows are used, each the neighbourhood of a query. This suffices for any method whose
 value depends only on the samples near by.
 """
@@ -25,8 +26,9 @@ from fieldrecon.selection.distance_matching import (
     Fold,
     distance_matched_folds,
     held_out_distances,
+    nearest_neighbor_distances,
 )
-from fieldrecon.selection.models import Maker, Model, with_variances
+from fieldrecon.selection.models import Maker, Model, with_variances, with_wide_patches
 
 NO_FIELD = (ValueError, np.linalg.LinAlgError, MemoryError, OverflowError)
 FEW = 400
@@ -45,6 +47,9 @@ NEARLY = 1.02
 """Of several paths of variants, the first is taken whose error is at most this times the least."""
 FINALISTS = 3
 """Largest number of models that are compared on all folds, besides the most cautious one."""
+GAP = 1.5
+"""There are gaps if held-out samples are this many times as far from the fitted ones as samples are
+from each other, on the mean."""
 
 Result = TypeVar("Result")
 
@@ -181,6 +186,12 @@ class CrossValidator:
         """Number of samples held out; one in two folds counts twice."""
         return len(self.held_out)
 
+    @property
+    def has_gaps(self) -> bool:
+        """Whether the held-out samples are farther from the fitted ones than samples are apart."""
+        apart = nearest_neighbor_distances(self.points).mean()
+        return bool(self.distances.mean() > GAP * apart)
+
     def compare(
         self,
         models: Sequence[Model],
@@ -203,7 +214,7 @@ class CrossValidator:
         near = [s for s in ranked[:FINALISTS] if s.rms <= DOMINATED * ranked[0].rms]
         near += sorted(ranked, key=lambda score: score.model.caution)[:1]
         final = [self._on_all_folds(score) if score in near else score for score in scores]
-        return _by_caution(final)
+        return self._with_suitable_patches(_by_caution(final))
 
     def evaluate(
         self, model: Model, asked_for: bool = False, folds: Sequence[Fold] | None = None
@@ -240,6 +251,21 @@ class CrossValidator:
         assert score.maker is not None, "only models with a field are compared on all folds"
         final = self._score(score.model, self.folds, score.maker)
         return final if final.maker else score
+
+    def _with_suitable_patches(self, scores: list[ModelScore]) -> list[ModelScore]:
+        """The scores, with wide patches in the best one if there are gaps.
+
+        By the one-standard-error rule it keeps its patches if their error is clearly smaller.
+        """
+        chosen = min(scores, key=lambda score: score.rank)
+        maker = with_wide_patches(chosen.maker) if self.has_gaps else None
+        if maker is None or chosen.n_held_out < self.n_held_out:
+            return scores
+        wide = self._score(chosen.model, self.folds, maker)
+        if wide.maker is None or not wide.is_level_with(chosen):
+            return scores
+        wide = replace(wide, caution=chosen.caution)
+        return [wide if score is chosen else score for score in scores]
 
     def residuals(self, maker: Maker) -> np.ndarray:
         """Residuals at the held-out samples of all folds, of the method that is made of points."""

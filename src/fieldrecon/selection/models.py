@@ -25,7 +25,7 @@ from fieldrecon.reconstruction import Reconstruction
 _NEIGHBORS_PER_COEFFICIENT = 4
 _STRENGTHS = (0.0, *(10.0**k for k in range(-6, 1)))
 _PATCH_STRENGTHS = (0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
-_NOISY_PATCH = 60
+_NOISY_PATCH, _WIDE_PATCH = 60, 240
 CAUTIOUS = ("linear", "pu1", "smooth", "pu2", "pusmooth")
 """Names of models, in the order in which they overshoot more and more where samples are few."""
 _TYPICAL = 5000  # samples from whose neighbours the typical distance of samples is found
@@ -82,6 +82,22 @@ def with_variances(maker: Maker, variances: np.ndarray | None) -> Maker:
         return maker
     relative = variances / (variances.mean() or 1.0)
     return partial(maker, smoothing=maker.keywords["smoothing"] * relative)
+
+
+def with_wide_patches(maker: Maker | None) -> Maker | None:
+    """The variant with four times as many samples in each patch; None if it smooths no patches.
+
+    Beside a gap, a patch has samples of one side, and a few tracks at most. The wider it is, the
+    nearer is the field to that of all samples at once.
+    """
+    if not isinstance(maker, partial):
+        return None
+    if maker.func is OnTangentPlane:
+        method = with_wide_patches(maker.keywords["method"])
+        return None if method is None else partial(maker, method=method)
+    if maker.keywords.get("patch_size") != _NOISY_PATCH:
+        return None
+    return partial(maker, patch_size=_WIDE_PATCH)
 
 
 def _projected(

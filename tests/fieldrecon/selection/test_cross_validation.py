@@ -7,7 +7,7 @@ from fieldrecon import LeastSquares, leave_one_out
 from fieldrecon.datasets.synthetic import clustered, franke, halton, uniform
 from fieldrecon.selection import cross_validation as module
 from fieldrecon.selection.cross_validation import CrossValidator, ModelScore, _by_caution, best
-from fieldrecon.selection.models import MODELS, Model
+from fieldrecon.selection.models import MODELS, Model, with_wide_patches
 
 EXACT = 1e-8
 
@@ -127,6 +127,52 @@ def test_the_choice_holds_for_the_gaps_and_not_for_the_distances_along_the_track
         return true[chosen] / min(true)
 
     assert errors_of(queries) < 1.2 < errors_of(None)
+
+
+def tracks(count=12):
+    """Samples along lines that are 16 times as far apart as the samples on them."""
+    x, y = np.meshgrid(np.arange(0, 1, 0.005), (np.arange(count) + 0.5) / count)
+    noise = np.random.default_rng(0).standard_normal(x.size)
+    return np.column_stack([x.ravel(), y.ravel() + 1e-3 * noise])
+
+
+def test_there_are_gaps_only_where_queries_are_farther_than_samples_are_apart():
+    """Between tracks, but not on them, and not among samples everywhere."""
+    between, everywhere = np.add(tracks(), [0, 1 / 24]), uniform(2000, 2, seed=1)
+    points = tracks()
+    for sites, x, gaps in (
+        (points, between, True),
+        (points, points + 1e-3, False),
+        (points, None, False),
+        (uniform(2000, 2, seed=0), everywhere, False),
+    ):
+        assert CrossValidator.of(sites, sites[:, 0], x).has_gaps is gaps
+
+
+@pytest.mark.parametrize(("gap", "error", "size"), [(1, 1.0, 240), (1, 0.0, 60), (0, 1.0, 60)])
+def test_in_gaps_patches_are_wide_unless_the_held_out_samples_speak_against_it(gap, error, size):
+    """They stay as they are if their error is clearly smaller, and where there are no gaps."""
+    points = tracks()
+    x = np.add(points, [0, gap / 24])
+    validator = CrossValidator.of(points, np.sin(9 * points.sum(axis=1)), x)
+    narrow = MODELS["pu1"].makers(points)[0][0]
+    score = ModelScore(MODELS["pu1"], narrow, np.full(validator.n_held_out, error))
+    (found,) = validator._with_suitable_patches([score])
+    assert found.maker.keywords["patch_size"] == size
+    assert (found is score) == (size == 60)
+
+
+def test_only_smoothed_patches_become_wide():
+    """Also those of a region of the globe; other methods have none."""
+    points = uniform(80, 3, seed=2)
+    for name, model in MODELS.items():
+        flat, on_globe = model.makers(points)[0][0], model.on_tangent_plane(points[0] / 2)
+        smoothed = name in ("pu1", "pu2", "pusmooth")
+        assert (with_wide_patches(flat) is not None) == smoothed
+        assert (with_wide_patches(on_globe.makers(points)[0][0]) is not None) == smoothed
+    wide = with_wide_patches(MODELS["pu1"].on_tangent_plane(points[0]).makers(points)[0][0])
+    assert wide.keywords["method"].keywords["patch_size"] == 240
+    assert with_wide_patches(wide) is None
 
 
 @pytest.mark.parametrize("d", [2, 3])
