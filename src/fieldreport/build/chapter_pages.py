@@ -33,6 +33,13 @@ CONTENTS: Final = "contents.json"
 """The file with the chapters in their order, written last."""
 CHAPTER: Final = re.compile(r'<section id="([^"]+)" class="level2\b')
 WORK: Final = re.compile(r'<div id="(ref-[^"]+)" class="csl-entry"[^>]*>(.*?)</div>', flags=re.S)
+TITLES: Final = [
+    re.compile(r'<section id="([^"]+)"[^>]*>\s*<h\d[^>]*>(.*?)</h\d>', flags=re.S),
+    re.compile(r'<figure id="([^"]+)">.*?<figcaption>(.*?)(?:<details|</figcaption>)', flags=re.S),
+    re.compile(
+        r'<div id="([^"]+)" class="statement[^"]*">\s*<p><strong>(.*?)</strong>', flags=re.S
+    ),
+]
 CITATION: Final = re.compile(r'<a href="#(ref-[^"]+)" role="doc-biblioref"')
 LIVING: Final = re.compile(r"/\* Living figures:.*?\n(?=\n)", flags=re.S)
 """The part of the style sheet about living figures, up to an empty line."""
@@ -129,7 +136,7 @@ def labels_of(page: str) -> list[str]:
 
 
 def chapters_of(page: str, names: list[str]) -> list[Chapter]:
-    """Split a page at its chapters; links between chapters name the page."""
+    """Split a page at its chapters; links between chapters name the page, and have a title."""
     body = page[page.index("<main") : page.index("</main>")]
     starts = [match.start() for match in CHAPTER.finditer(body)]
     parts = [body[a:b] for a, b in pairwise([*starts, len(body)])]
@@ -139,14 +146,29 @@ def chapters_of(page: str, names: list[str]) -> list[Chapter]:
         for label in re.findall(r'\bid="([^"]+)"', part)
     }
 
+    titles = titles_of(page)
+
     def target(link: re.Match[str], here: str) -> str:
-        there = home.get(html.unescape(link[1]), here)
-        return link[0] if there == here else f"{there}.html{link[0]}"
+        label = html.unescape(link[1])
+        there = home.get(label, here)
+        if there == here:
+            return link[0]
+        title = f'" title="{html.escape(titles[label])}' if label in titles else ""
+        return f"{there}.html{link[0]}{title}"
 
     return [
         Chapter(name, LINK.sub(lambda link, here=name: target(link, here), part))  # type: ignore[misc]
         for name, part in zip(names, parts, strict=True)
     ]
+
+
+def titles_of(page: str) -> dict[str, str]:
+    """Return the titles of sections and statements, and the captions of figures, by label."""
+    return {
+        html.unescape(label): " ".join(_plain(title).split())
+        for pattern in TITLES
+        for label, title in pattern.findall(page)
+    }
 
 
 def with_works(page: str) -> str:

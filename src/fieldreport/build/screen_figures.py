@@ -108,7 +108,7 @@ def themed(svg: str) -> str:
 
 
 def themed_color(color: str, *, amounts: bool) -> str:
-    """Return the value of a colour on a page; one that is light enough, or an amount, has no name."""
+    """Return the value of a colour on a page; light ones and amounts have no name."""
     if color in OF_PAGE:
         return OF_PAGE[color]
     return color if amounts or dark_color(color) == color else f"var(--c{color[1:]}, {color})"

@@ -417,8 +417,8 @@ def plot_bodies(result: Result) -> Figure:
 
 def _trimmed(pictures: np.ndarray) -> np.ndarray:
     """Return pictures without the margin that is transparent in all of them."""
-    seen = pictures[..., 3].any(axis=0)
-    rows, columns = (np.flatnonzero(seen.any(axis=axis)) for axis in (1, 0))
+    seen = np.any(pictures[..., 3] > 0, axis=0)
+    rows, columns = (np.flatnonzero(np.any(seen, axis=axis)) for axis in (1, 0))
     return pictures[:, rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
 
 
