@@ -62,7 +62,7 @@ def inline(title: str) -> list[nodes.Node]:
 
 def plain(content: str) -> str:
     """Return the text of HTML."""
-    return html.unescape(re.sub(r"<script\b.*?</script>|<[^>]*>", "", content, flags=re.S))
+    return html.unescape(re.sub(r"<(script|svg)\b.*?</\1>|<[^>]*>", "", content, flags=re.S))
 
 
 def write(translator: object, node: Fragment) -> None:

@@ -19,10 +19,8 @@ TARGET = re.compile(r'\b(?:id|name)="([^"]+)"')
 LOADED = re.compile(
     r'<(?:script|img)\b[^>]*\bsrc="([^"]+)"|<link rel="stylesheet"[^>]*href="([^"]+)"'
 )
-NOT_LOADED = re.compile(
-    r'<img class="only-dark"[^>]*>|<div[^>]* data-widget=.*?</figure>', flags=re.S
-)
-"""Hidden pictures are loaded when they are shown: those for the dark, and behind living figures."""
+NOT_LOADED = re.compile(r"<div[^>]* data-widget=.*?</figure>", flags=re.S)
+"""Hidden pictures, behind living figures, are loaded when they are shown."""
 
 
 def problems(site: Path) -> list[str]:

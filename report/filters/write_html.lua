@@ -51,7 +51,7 @@ return function(doc)
   local root = pandoc.utils.stringify(doc.meta.figures)
   local function image(i)
     local width = pictures.width(root, i.src)
-    return pandoc.RawInline('html', ('<img src="%s" alt="%s" style="width:%.4g%%">'):format(
+    return pandoc.RawInline('html', ('<img class="picture" src="%s" alt="%s" style="width:%.4g%%">'):format(
       escaped(i.src), escaped(pandoc.utils.stringify(i.caption)),
       100 * math.min(1, width / pictures.text_width)))
   end

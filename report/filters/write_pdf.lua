@@ -35,6 +35,53 @@ local function span(s)
   if s.classes:includes 'with-page' then return with_pages(s.content) end
 end
 
+-- Paragraphs, lists and listings at the top level stay whole; what announces the next block stays with it.
+local WHOLE = 2000        -- characters up to which a block stays whole, about half a page
+
+local function last_character(block)
+  return pandoc.utils.stringify(block):sub(-1)
+end
+
+local function kept_whole(block)
+  local is_list = block.t == 'BulletList' or block.t == 'OrderedList'
+  local is_listing = block.t == 'Div' and block.classes:includes 'listing'
+  if not (block.t == 'Para' or is_list or is_listing) then return { block } end
+  if #pandoc.utils.stringify(block) > WHOLE then return { block } end
+  local keep = last_character(block) == ':' and '(keep: true)' or ''
+  return { raw_block('#whole' .. keep .. '['), block, raw_block ']' }
+end
+
+local function is_displayed(x)
+  return x and x.t == 'RawInline' and x.text:match '^#math%.equation%(block: true' ~= nil
+end
+
+local function begins_sentence(x)
+  return x and x.t == 'Str' and x.text:match '^%u' ~= nil
+end
+
+-- A formula that ends a sentence also ends a paragraph: below it there may be a new page.
+local function parts_of(block)
+  if block.t ~= 'Para' then return { block } end
+  local out, part = pandoc.Blocks {}, pandoc.Inlines {}
+  for i, x in ipairs(block.content) do
+    part:insert(x)
+    if is_displayed(x) and begins_sentence(block.content[i + 2]) then
+      out:insert(pandoc.Para(part))
+      part = pandoc.Inlines {}
+    end
+  end
+  out:insert(pandoc.Para(part))
+  return out
+end
+
+local function unsplit(blocks)
+  local out = pandoc.Blocks {}
+  for _, block in ipairs(blocks) do
+    for _, part in ipairs(parts_of(block)) do out:extend(kept_whole(part)) end
+  end
+  return out
+end
+
 -- In print only the figure of a living figure is left.
 local function figures_of(div)
   return div.content:filter(function(block) return block.t == 'Figure' end)
@@ -47,6 +94,7 @@ local function box(div)
     if class ~= 'statement' then kind = kind or class end
   end
   if not div.classes:includes 'statement' then return nil end
+  if kind == 'solution' then div.content = unsplit(div.content) end
   div.content:insert(1, raw_block('#statement("' .. kind .. '")['))
   div.content:insert(raw_block ']')
   return div
@@ -72,28 +120,6 @@ local function sized(t)
   local out = pandoc.Blocks { t }
   if #t.colspecs >= WIDE then within('wide-table', out) end
   if row_count(t) >= (has_widths(t) and LONG_OF_TEXT or LONG) then within('long-table', out) end
-  return out
-end
-
--- Paragraphs, lists and listings at the top level stay whole; what announces the next block stays with it.
-local WHOLE = 2000        -- characters up to which a block stays whole, about half a page
-
-local function last_character(block)
-  return pandoc.utils.stringify(block):sub(-1)
-end
-
-local function kept_whole(block)
-  local is_list = block.t == 'BulletList' or block.t == 'OrderedList'
-  local is_listing = block.t == 'Div' and block.classes:includes 'listing'
-  if not (block.t == 'Para' or is_list or is_listing) then return { block } end
-  if #pandoc.utils.stringify(block) > WHOLE then return { block } end
-  local keep = last_character(block) == ':' and '(keep: true)' or ''
-  return { raw_block('#whole' .. keep .. '['), block, raw_block ']' }
-end
-
-local function unsplit(blocks)
-  local out = pandoc.Blocks {}
-  for _, block in ipairs(blocks) do out:extend(kept_whole(block)) end
   return out
 end
 

@@ -87,7 +87,7 @@ def test_a_handle_follows_a_finger(open_page):
 
 def test_the_printed_figure_is_one_button_away_and_in_print(open_page):
     living = open_page()
-    picture, panels = living.page.locator(".widget img"), living.page.locator(".panels")
+    picture, panels = living.page.locator(".widget .picture"), living.page.locator(".panels")
     assert (picture.is_visible(), panels.is_visible()) == (False, True)
     living.page.get_by_role("button", name="Printed figure").press("Enter")
     assert (picture.is_visible(), panels.is_visible()) == (True, False)
@@ -100,6 +100,6 @@ def test_without_a_script_the_picture_stays(browser, path):
     context = browser.new_context(java_script_enabled=False)
     page = context.new_page()
     page.goto(path[1].as_uri())
-    assert page.locator(".widget img").is_visible()
+    assert page.locator(".widget .picture").is_visible()
     assert not page.locator(".lead").is_visible()
     context.close()

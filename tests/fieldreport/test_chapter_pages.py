@@ -14,7 +14,7 @@ from fieldreport.build.chapter_pages import (
     with_works,
 )
 from fieldreport.build.errors import BuildError
-from fieldreport.build.screen_figures import dark, light
+from fieldreport.build.screen_figures import dark_color, dark_values, element, light
 
 PAGE = """<body><main id="text"><div class="abstract"><p>In short.</p></div>
 <section id="sec:one" class="level2"><h2>One</h2>
@@ -31,7 +31,8 @@ def test_a_page_is_split_at_its_chapters_and_links_name_the_page_of_their_target
     assert "Part" in one.content
     assert "Two" not in one.content
     assert re.findall('href="([^"]*)"', one.content) == ["two.html#eq:b", "#eq:a"]
-    assert re.findall('href="([^"]*)"', two.content) == ["one.html#sec:part"]
+    assert '<a href="one.html#sec:part" title="Part">' in two.content
+    assert "title=" not in one.content  # an equation has none
 
 
 def test_a_page_has_the_name_of_the_file_that_its_chapter_begins(tmp_path):
@@ -84,14 +85,43 @@ def test_a_figure_for_the_screen_is_shorter_and_has_the_same_elements():
     assert len(short) < len(svg)
 
 
-def test_on_a_dark_page_ink_is_light_and_a_bright_colour_stays():
-    paths = (
-        '<path style="fill: #ffffff; stroke: #000000"/><path style="fill: none; stroke: #c48600"/>'
+def on_a_page(inside):
+    return element(f'<svg width="9pt" viewBox="0 0 9 9">{inside}</svg>', "bumps", "A bump.", "")
+
+
+def test_colours_of_a_figure_follow_the_page_and_a_bright_colour_stays():
+    """Black and white are those of the page; a dark colour has a name and a value for the dark."""
+    figure = on_a_page(
+        '<path style="fill: #ffffff; stroke: #000000"/>'
+        '<path style="fill: #5f1049; stroke: #c48600"/>'
     )
-    turned = dark(f'<svg width="9pt">{paths}</svg>')
-    assert turned.startswith('<svg fill="#e4e4e4" ')
-    assert 'style="fill: #131313; stroke: #e4e4e4"' in turned
-    assert "stroke: #c48600" in turned
+    assert 'style="fill: var(--paper, #fff); stroke: var(--ink, #000)"' in figure
+    assert 'style="fill: var(--c5f1049, #5f1049); stroke: #c48600"' in figure
+    assert dark_values(figure) == f"--c5f1049: {dark_color('#5f1049')}; "
+
+
+def test_colours_of_amounts_stay_on_a_dark_page():
+    """They must agree with the colour bar, which is a raster."""
+    amounts = "".join(f'<path style="fill: #{k:02x}0000; stroke: #000000"/>' for k in range(1, 20))
+    figure = on_a_page(amounts)
+    assert 'style="fill: #010000; stroke: var(--ink, #000)"' in figure
+    assert dark_values(figure) == ""
+
+
+def test_identifiers_of_a_figure_are_its_own_and_its_letters_those_of_the_page():
+    """Two figures of one page may have the same identifiers in their files."""
+    figure = on_a_page(
+        '<defs><style type="text/css">*{stroke-linejoin: round}</style></defs>'
+        '<g id="axes_1" clip-path="url(#p7)"><!-- 0 -->\n <use xlink:href="#m2"/></g>'
+        '<clipPath id="p7"/><path id="m2"/>'
+        "<text style=\"font-size: 8px; font-family: 'Libertinus Serif'; text-anchor: end\">0</text>"
+    )
+    assert figure == (
+        '<svg class="picture" role="img" aria-label="A bump."  viewBox="0 0 9 9"><defs></defs>'
+        '<g clip-path="url(#bumps-0)"><use href="#bumps-1"/></g>'
+        '<clipPath id="bumps-0"/><path id="bumps-1"/>'
+        '<text style="font-size: 8px; text-anchor: end">0</text></svg>'
+    )
 
 
 def luminance(color: str) -> float:
@@ -104,7 +134,4 @@ def luminance(color: str) -> float:
 @pytest.mark.parametrize("color", ["#000000", "#5f1049", "#2a6428", "#2a78bb", "#c48600"])
 def test_lines_have_contrast_on_a_dark_page(color):
     """WCAG 2 asks for a contrast of 3 : 1 of graphical objects."""
-    (line,) = re.findall(
-        "stroke: (#.{6})", dark(f'<svg width="1pt"><path style="stroke: {color}"/>')
-    )
-    assert (luminance(line) + 0.05) / (luminance("#131313") + 0.05) > 3
+    assert (luminance(dark_color(color)) + 0.05) / (luminance("#131313") + 0.05) > 3

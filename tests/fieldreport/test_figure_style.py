@@ -145,6 +145,16 @@ def test_a_figure_does_not_depend_on_user_settings(kind):
         assert save_figure(draw_figure(), kind) == bytes_
 
 
+def test_letters_of_a_figure_are_paths_or_text():
+    """Text for a page that has the fonts; it can be selected there."""
+    page = draw_figure()
+    assert b"<text" not in save_figure(page, "svg")
+    page.svg_fonttype = "none"
+    with_text = save_figure(page, "svg").decode()
+    assert re.search(r"<text[^>]*>error</text>", with_text)
+    assert "Libertinus" in with_text
+
+
 def test_drawing_a_figure_restores_the_settings():
     before = dict(mpl.rcParams)
     draw_figure()

@@ -49,7 +49,7 @@ def test_the_page_contains_the_data_and_one_script(built):
 def test_the_figure_stays_on_the_page_and_the_instruction_is_not_printed(built):
     """Without a script the page shows the picture; the PDF has the picture only."""
     _, page, typst = built
-    assert re.search(rf'data-widget="{NAME}">\s*<figure id="fig:b">\s*<img ', page)
+    assert re.search(rf'data-widget="{NAME}">\s*<figure id="fig:b">\s*<svg class="picture" ', page)
     assert "Drag the corners" in page
     assert "fake_b.svg" in typst
     assert "Drag the corners" not in typst

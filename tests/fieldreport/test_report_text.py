@@ -194,7 +194,7 @@ class Text:
         (source / "chapters").mkdir()
         drawn = [out / kind / "bumps" for kind in ("experiments", "screen")]
         for name in ("bumps", "bumps_far"):
-            svg = '<svg xmlns="http://www.w3.org/2000/svg" width="212.6pt" height="72pt"></svg>'
+            svg = '<svg xmlns="http://www.w3.org/2000/svg" width="212.6pt" viewBox="0 0 9 9"></svg>'
             for place in drawn:
                 place.mkdir(parents=True, exist_ok=True)
                 (place / f"{name}.svg").write_text(svg)
@@ -313,7 +313,7 @@ def test_figures_have_alternative_texts_and_their_origin(page, typ):
     The page folds its parameters; the print refers to their list.
     """
     alt = 'Bumps at 1.2 × 10⁻³ < 1 and "so" on the left.'
-    assert alt in [html.unescape(a) for a in re.findall(r'<img [^>]*alt="([^"]*)"', page)]
+    assert alt in [html.unescape(a) for a in re.findall(r'aria-label="([^"]*)"', page)]
     assert 'alt: "{}"'.format(alt.replace('"', r"\"")) in typ
     origin = "Experiment bumps: points = 1000; epsilon = ; powers = 1, 2, …, 8."
     assert words(page).count(origin) == 3
@@ -346,6 +346,15 @@ def test_the_page_loads_nothing(page):
     assert not re.search(r'<(?:script|img|link|iframe|source)\b[^>]*(?:src|href)="(?!data:)', page)
     css = (REPORT / "style.css").read_text()
     assert not re.search(r"@import|url\(", css)
+
+
+def test_in_print_a_page_may_begin_below_a_formula_that_ends_a_sentence(text):
+    """Other paragraphs stay whole, at the top level and in a solution."""
+    body = "Let\n$$ x = 1 . $$\nThen it is so.\n\nLet\n$$ y = 1 , $$\nwhere it is so.\n\n"
+    printed = text.convert(f"# A {{#sec:a}}\n\n{body}::: solution\n{body}:::\n")["print"]
+    assert printed.count("#whole[") == 6
+    inside = printed[printed.index('#statement("solution")[') :]
+    assert inside.count("#whole[") == 3
 
 
 def test_typst_code_from_pandoc_is_corrected(typ):
@@ -485,4 +494,4 @@ def test_a_part_with_more_pages_than_its_heading_allows_stops_the_build(text):
 def test_a_page_above_its_limit_names_its_longest_figures(text, monkeypatch):
     monkeypatch.setattr("fieldreport.build.typesetting.PAGE_LIMIT", 1000)
     with pytest.raises(BuildError, match=r"bytes, more than 1,000; draw fewer .*bumps"):
-        text.document._whole_page("<p>" + "word " * 500 + "</p>")
+        text.document._whole_page("<p>" + "word " * 500 + "</p>", "")

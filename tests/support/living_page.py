@@ -22,7 +22,7 @@ PAGE = """<!doctype html>
 <body><main>
 <div class="widget" data-widget="{name}">
 <figure>
-<img alt="The printed figure" src="data:image/svg+xml,<svg xmlns='http://www.w3.org/2000/svg'/>">
+<img class="picture" alt="The printed figure" src="data:image/svg+xml,<svg xmlns='http://www.w3.org/2000/svg'/>">
 <figcaption>Caption.</figcaption>
 </figure>
 <div class="lead" hidden><p>Instruction.</p></div>

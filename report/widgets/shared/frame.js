@@ -42,7 +42,7 @@ class Living {
     this.initial = structuredClone(this.state);
     this.button("Reset", () => { Object.assign(this.state, structuredClone(this.initial)); });
     this.bar.append(this.printedFigure());
-    const picture = this.root.querySelector("figure img");
+    const picture = this.root.querySelector(".picture");
     picture.closest("figure").prepend(this.box);
     const lead = this.root.querySelector(".lead");
     lead.hidden = false;

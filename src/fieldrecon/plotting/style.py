@@ -15,6 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from itertools import cycle
+from types import MappingProxyType
 from typing import Any
 
 import matplotlib as mpl
@@ -161,9 +162,13 @@ class StyledFigure(Figure):
     Saved as SVG, PDF or PNG it gives the same bytes every time.
     """
 
+    svg_fonttype = "path"
+    """Letters in an SVG: paths, which look the same everywhere, or ``"none"``: text, for a page
+    that has the fonts."""
+
     def draw(self, renderer: Any) -> None:
         """Draw in the style of the report."""
-        with style():
+        with style({"svg.fonttype": self.svg_fonttype}):
             super().draw(renderer)
 
     def _repr_png_(self) -> bytes:
@@ -176,17 +181,23 @@ class StyledFigure(Figure):
         """Save in the style of the report, without a date; `options` as in Matplotlib."""
         kind = options.get("format") or str(fname).rpartition(".")[2]
         options.setdefault("metadata", NO_CLOCK.get(kind))
-        with style():
+        with style({"svg.fonttype": self.svg_fonttype}):
             super().savefig(fname, **options)
 
 
 @contextmanager
-def style() -> Iterator[None]:
-    """Give Matplotlib the style of the report inside the ``with``, whatever the user's settings."""
+def style(changes: Any = MappingProxyType({})) -> Iterator[None]:
+    """Give Matplotlib the style of the report inside the ``with``, whatever the user's settings.
+
+    Parameters
+    ----------
+    changes : mapping
+        Settings of Matplotlib that differ from those of the report.
+    """
     _register_fonts()
     with mpl.rc_context():
         mpl.rcdefaults()
-        mpl.rcParams.update(RC)
+        mpl.rcParams.update({**RC, **changes})
         yield
 
 

@@ -1,7 +1,7 @@
 """The report as fragments of HTML by chapter, which the site of the documentation puts into pages.
 
-The folder has a fragment for each chapter, the fonts, the figures in light and dark, and the data
-of each figure. Everything is named relative to this folder.
+The folder has a fragment for each chapter, which contains its figures, the fonts, the rasters, and
+the data of each figure. Everything is named relative to this folder.
 """
 
 from __future__ import annotations
@@ -19,13 +19,27 @@ from fieldrecon._core.atomic_files import write_atomically
 from fieldreport.build import widget_scripts
 from fieldreport.build.errors import BuildError
 from fieldreport.build.rerun import ExperimentJob
-from fieldreport.build.screen_figures import dark, screen_file
+from fieldreport.build.screen_figures import (
+    PICTURE,
+    dark_values,
+    element,
+    raster,
+    screen_file,
+    with_pictures,
+)
 from fieldreport.build.typesetting import UPRIGHT_NABLA, Document
 
 CONTENTS: Final = "contents.json"
 """The file with the chapters in their order, written last."""
 CHAPTER: Final = re.compile(r'<section id="([^"]+)" class="level2\b')
 WORK: Final = re.compile(r'<div id="(ref-[^"]+)" class="csl-entry"[^>]*>(.*?)</div>', flags=re.S)
+TITLES: Final = [
+    re.compile(r'<section id="([^"]+)"[^>]*>\s*<h\d[^>]*>(.*?)</h\d>', flags=re.S),
+    re.compile(r'<figure id="([^"]+)">.*?<figcaption>(.*?)(?:<details|</figcaption>)', flags=re.S),
+    re.compile(
+        r'<div id="([^"]+)" class="statement[^"]*">\s*<p><strong>(.*?)</strong>', flags=re.S
+    ),
+]
 CITATION: Final = re.compile(r'<a href="#(ref-[^"]+)" role="doc-biblioref"')
 LIVING: Final = re.compile(r"/\* Living figures:.*?\n(?=\n)", flags=re.S)
 """The part of the style sheet about living figures, up to an empty line."""
@@ -33,7 +47,12 @@ SOLUTION: Final = re.compile(r'<div(?: id="[^"]*")? class="statement solution">'
 FOLD: Final = '<details class="statement solution"><summary>Solution</summary>'
 HEADING: Final = re.compile(r"^# .*\{#([^\s}]+)", flags=re.M)
 FIGURE: Final = re.compile(r"<figure\b.*?</figure>", flags=re.S)
-IMAGE: Final = re.compile(r'<img src="([^":]+)\.svg" (.*?)>')
+DARK: Final = """@media not print {{
+body[data-theme="dark"] {{ {0}}}
+@media (prefers-color-scheme: dark) {{ body:not([data-theme="light"]) {{ {0}}} }}
+}}
+"""
+"""Colours of figures where the theme of the site is dark."""
 LINK: Final = re.compile(r'(?<=href=")#([^"]+)(?=")')
 TEX: Final = re.compile(r"<annotation\b.*?</annotation>", flags=re.S)
 
@@ -69,12 +88,15 @@ def write_pages(document: Document, jobs: Iterable[ExperimentJob]) -> list[Path]
     text = with_works(TEX.sub("", page))
     pictures = {job.name: Pictures(job, out) for job in jobs}
     chapters = chapters_of(text, page_names(labels_of(text), document.chapters))
-    made = [write_atomically(out / "report.css", _style(document).encode())]
+    made, values = [], ""
     for chapter in chapters:
         text = FIGURE.sub(lambda figure: for_screen(figure[0], pictures), chapter.content)
+        values += text
         text = with_folded_solutions(text) + widget_scripts.SCRIPTS
         content = widget_scripts.embedded(text, document.source, document.out).encode()
         made.append(write_atomically(out / f"{chapter.name}.html", content))
+    style = _style(document) + DARK.format(dark_values(values))
+    made.append(write_atomically(out / "report.css", style.encode()))
     contents = json.dumps([chapter.name for chapter in chapters])
     made.append(write_atomically(out / CONTENTS, contents.encode()))
     return sorted({*made, *(path for each in pictures.values() for path in each.written)})
@@ -114,7 +136,7 @@ def labels_of(page: str) -> list[str]:
 
 
 def chapters_of(page: str, names: list[str]) -> list[Chapter]:
-    """Split a page at its chapters; links between chapters name the page."""
+    """Split a page at its chapters; links between chapters name the page, and have a title."""
     body = page[page.index("<main") : page.index("</main>")]
     starts = [match.start() for match in CHAPTER.finditer(body)]
     parts = [body[a:b] for a, b in pairwise([*starts, len(body)])]
@@ -124,14 +146,29 @@ def chapters_of(page: str, names: list[str]) -> list[Chapter]:
         for label in re.findall(r'\bid="([^"]+)"', part)
     }
 
+    titles = titles_of(page)
+
     def target(link: re.Match[str], here: str) -> str:
-        there = home.get(html.unescape(link[1]), here)
-        return link[0] if there == here else f"{there}.html{link[0]}"
+        label = html.unescape(link[1])
+        there = home.get(label, here)
+        if there == here:
+            return link[0]
+        title = f'" title="{html.escape(titles[label])}' if label in titles else ""
+        return f"{there}.html{link[0]}{title}"
 
     return [
         Chapter(name, LINK.sub(lambda link, here=name: target(link, here), part))  # type: ignore[misc]
         for name, part in zip(names, parts, strict=True)
     ]
+
+
+def titles_of(page: str) -> dict[str, str]:
+    """Return the titles of sections and statements, and the captions of figures, by label."""
+    return {
+        html.unescape(label): " ".join(_plain(title).split())
+        for pattern in TITLES
+        for label, title in pattern.findall(page)
+    }
 
 
 def with_works(page: str) -> str:
@@ -168,20 +205,21 @@ def _folded(rest: str) -> str:
 
 
 def for_screen(figure: str, pictures: Mapping[str, Pictures]) -> str:
-    """Return a figure for light and dark pages, with its data and the command that draws it."""
+    """Return a figure with its picture, its data, and the command that draws it."""
 
-    def image(tag: re.Match[str]) -> str:
-        experiment, stem = html.unescape(tag[1]).split("/")
-        return pictures[experiment].image(stem, tag[2])
+    def picture(figure: str, alt: str, width: str) -> str:
+        experiment, stem = figure.split("/")
+        return pictures[experiment].picture(stem, alt, width)
 
-    experiments = {html.unescape(source).split("/")[0] for source, _ in IMAGE.findall(figure)}
+    experiments = {html.unescape(tag[0]).split("/")[0] for tag in PICTURE.findall(figure)}
     lines = [pictures[name].data_line() for name in sorted(experiments)]
-    return IMAGE.sub(image, figure).replace("</figcaption>", "".join([*lines, "</figcaption>"]))
+    shown = with_pictures(figure, picture)
+    return shown.replace("</figcaption>", "".join([*lines, "</figcaption>"]))
 
 
 @dataclass(frozen=True)
 class Pictures:
-    """The figures and the tables of an experiment, written beside the chapters.
+    """The figures and the tables of an experiment, for the chapters.
 
     Parameters
     ----------
@@ -197,17 +235,13 @@ class Pictures:
     out: Path
     written: set[Path] = field(default_factory=set)
 
-    def image(self, stem: str, attributes: str) -> str:
-        """Copy a figure; return its elements of HTML, one for light pages and one for dark."""
+    def picture(self, stem: str, alt: str, width: str) -> str:
+        """Return the element of a figure; a raster is copied."""
         path = screen_file(self.out.parent, f"{self.job.name}/{stem}")
+        if path.suffix == ".svg":
+            return element(path.read_text(encoding="utf-8"), stem, alt, width)
         self._write(path.name, path.read_bytes())
-        if path.suffix == ".webp":
-            return self._element(path.name, "raster", attributes)
-        self._write(f"{stem}.dark.svg", dark(path.read_text(encoding="utf-8")).encode())
-        return "".join(
-            self._element(f"{stem}{suffix}", f"only-{page}", attributes)
-            for page, suffix in (("light", ".svg"), ("dark", ".dark.svg"))
-        )
+        return raster(f"{self.job.name}/{path.name}", alt, width)
 
     def data_line(self) -> str:
         """Write the tables; return the line with the links to them and the command."""
@@ -223,6 +257,3 @@ class Pictures:
 
     def _write(self, name: str, content: bytes) -> None:
         self.written.add(write_atomically(self.out / self.job.name / name, content))
-
-    def _element(self, name: str, kind: str, attributes: str) -> str:
-        return f'<img class="{kind}" loading="lazy" src="{self.job.name}/{name}" {attributes}>'

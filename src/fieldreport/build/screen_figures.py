@@ -1,19 +1,20 @@
-"""Figures for the screen: smaller files, and colours for a dark page.
+"""Figures as parts of a page: text that can be selected, and colours that follow the page.
 
-The printed figures have more decimals than a screen shows, and exact rasters. On a dark page the
-ink is light: black and white change places, and dark colours of lines become lighter. Rasters keep
-their colours.
+The printed figures have more decimals than a screen shows, and exact rasters. On a page black and
+white are the colours of its text and of its ground, and on a dark page dark colours of lines become
+lighter. Rasters keep their colours.
 """
 
 from __future__ import annotations
 
 import base64
 import colorsys
+import html
 import io
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
-from urllib.parse import quote
 
 PAPER: Final = 0x13
 """The brightness of the dark page, which takes the place of white."""
@@ -27,11 +28,24 @@ QUALITY: Final = 55
 
 RASTER: Final = re.compile(r'data:image/png;base64,([^"]+)(?=")')
 COLOR: Final = re.compile(r"(?<=stroke: )#[0-9a-f]{6}|(?<=fill: )#[0-9a-f]{6}")
+OF_PAGE: Final = {"#000000": "var(--ink, #000)", "#ffffff": "var(--paper, #fff)"}
+"""Colours that are those of the page."""
+MOST_COLORS: Final = 12
+"""More colours in one figure stand for amounts, as in its colour bar, and stay."""
+NAMED: Final = re.compile(r"var\(--c([0-9a-f]{6}),")
+PICTURE: Final = re.compile(
+    r'<img class="picture" src="([^":]+)\.svg" alt="([^"]*)" (style="[^"]*")>'
+)
+"""A figure in the text: its path, its alternative text, and its width."""
+IDENTIFIER: Final = re.compile(r' id="([^"]+)"')
+REFERENCE: Final = re.compile(r'(?<=url\(#)[^)]+|(?<=href="#)[^"]+')
+NOT_SHOWN: Final = re.compile(
+    r"<!--.*?-->|<style\b.*?</style>|font-family: [^;\"]*(?:; )?", flags=re.S
+)
+"""Comments, and rules that the style sheet of the page has for its figures."""
 PATH: Final = re.compile(r'(?<= d=")[^"]+(?=")|(?<= points=")[^"]+(?=")')
 DECIMALS: Final = re.compile(r"(\.\d)\d+")
 STEP: Final = re.compile(r" ?\n([A-Za-z]) ?")
-READABLE: Final = " !$'()*+,-./:;=?@[]^_`{|}~\n"
-"""Characters that stand as they are in the address of an SVG."""
 
 
 def light(svg: str) -> str:
@@ -41,10 +55,69 @@ def light(svg: str) -> str:
     return RASTER.sub(lambda png: _embedded(base64.b64decode(png[1])), svg)
 
 
-def dark(svg: str) -> str:
-    """Return a figure in the colours of a dark page."""
-    svg = COLOR.sub(lambda color: dark_color(color[0]), svg)
-    return svg.replace("<svg ", f'<svg fill="#{INK:02x}{INK:02x}{INK:02x}" ', 1)  # of glyphs
+def with_pictures(page: str, picture: Callable[[str, str, str], str]) -> str:
+    """Return a page with its figures.
+
+    Parameters
+    ----------
+    page : str
+        HTML as the filters write it.
+    picture : callable
+        The element for a figure, named ``EXPERIMENT/FIGURE``, its alternative text, and its width.
+    """
+    return PICTURE.sub(lambda tag: picture(html.unescape(tag[1]), tag[2], tag[3]), page)
+
+
+def element(svg: str, name: str, alt: str, width: str) -> str:
+    """Return a figure as an element of a page.
+
+    Parameters
+    ----------
+    svg : str
+        The file.
+    name : str
+        Begins the identifiers in the figure, which must differ from those of other figures.
+    alt, width : str
+        The alternative text, and the attribute with the width, as HTML.
+    """
+    (box,) = re.findall(r'<svg\b[^>]* viewBox="([^"]*)"', svg)
+    inside = svg[svg.index(">", svg.index("<svg")) + 1 :]
+    inside = themed(own_identifiers(NOT_SHOWN.sub("", inside), name))
+    inside = re.sub(r">\s+<", "><", inside).strip()
+    return f'<svg class="picture" role="img" aria-label="{alt}" {width} viewBox="{box}">{inside}'
+
+
+def own_identifiers(svg: str, name: str) -> str:
+    """Return a figure whose identifiers begin with its name, without those that nothing uses."""
+    used = dict.fromkeys(REFERENCE.findall(svg))
+    own = {identifier: f"{name}-{k}" for k, identifier in enumerate(used)}
+    svg = REFERENCE.sub(lambda reference: own[reference[0]], svg).replace("xlink:href", "href")
+    return IDENTIFIER.sub(lambda i: f' id="{own[i[1]]}"' if i[1] in own else "", svg)
+
+
+def themed(svg: str) -> str:
+    """Return a figure whose colours are those of the page, or have a name for a dark page.
+
+    Examples
+    --------
+    >>> themed('style="fill: #ffffff; stroke: #5f1049"')
+    'style="fill: var(--paper, #fff); stroke: var(--c5f1049, #5f1049)"'
+    """
+    amounts = len(set(COLOR.findall(svg))) > MOST_COLORS
+    return COLOR.sub(lambda color: themed_color(color[0], amounts=amounts), svg)
+
+
+def themed_color(color: str, *, amounts: bool) -> str:
+    """Return the value of a colour on a page; light ones and amounts have no name."""
+    if color in OF_PAGE:
+        return OF_PAGE[color]
+    return color if amounts or dark_color(color) == color else f"var(--c{color[1:]}, {color})"
+
+
+def dark_values(page: str) -> str:
+    """Return the declarations of the named colours of a page for a dark page."""
+    names = sorted(set(NAMED.findall(page)))
+    return "".join(f"--c{name}: {dark_color(f'#{name}')}; " for name in names)
 
 
 def dark_color(color: str) -> str:
@@ -91,12 +164,15 @@ def screen_file(out: Path, figure: str) -> Path:
     return raster if raster.exists() else raster.with_suffix(".svg")
 
 
+def raster(source: str, alt: str, width: str) -> str:
+    """Return a raster as an element of a page, drawn when a reader comes near."""
+    look = f'class="picture raster" loading="lazy" decoding="async" src="{source}"'
+    return f'<img {look} alt="{alt}" {width}>'
+
+
 def address(path: Path) -> str:
-    """Return a figure as an address that contains it."""
-    if path.suffix == ".webp":
-        return f"data:image/webp;base64,{base64.b64encode(path.read_bytes()).decode()}"
-    text = path.read_text(encoding="utf-8").replace('"', "'")
-    return f"data:image/svg+xml,{quote(text, safe=READABLE)}"
+    """Return a raster as an address that contains it."""
+    return f"data:image/webp;base64,{base64.b64encode(path.read_bytes()).decode()}"
 
 
 def _embedded(png: bytes) -> str:

@@ -1,7 +1,7 @@
-"""Files of the figures for the screen: an SVG, or a raster if the SVG is long.
+"""Files of the figures for the screen: an SVG with letters as text, or a raster if it is long.
 
-The one-file page embeds them, and the chapters of the site refer to them. Rasters are drawn by
-pinned workers, as figures are, so that their bytes are the same everywhere.
+The one-file page and the chapters of the site contain them. They are drawn by pinned workers, as
+the printed figures are, so that their bytes are the same everywhere.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from fieldreport.build.screen_figures import light, webp
 from fieldreport.build.step_records import Steps, content_digest
 from fieldreport.framework.result_files import read_result
 
-LARGE: Final = 100_000
+LARGE: Final = 200_000
 """Length of a figure as text above which a raster is smaller and is drawn faster."""
 
 
@@ -60,11 +60,9 @@ def _written(out: Path, experiment: str, figure: str, future: Future) -> Path:
 def _drawn(folder: Path, figure: str) -> tuple[str, bytes]:
     """Return suffix and content of a figure: SVG, or a raster twice as fine as it is shown."""
     experiment = experiments.get(folder.name)
-    picture = light((folder / f"{figure}.{rerun.FORMAT}").read_text(encoding="utf-8")).encode()
-    if len(picture) > LARGE:
-        with one_blas_thread():
-            drawn = experiment.plots[figure](read_result(folder, experiment))
-            raster = webp(figure_bytes(drawn, "png"))
-        if len(raster) < len(picture):
-            return ".webp", raster
-    return ".svg", picture
+    with one_blas_thread():
+        drawn = experiment.plots[figure](read_result(folder, experiment))
+        drawn.svg_fonttype = "none"
+        picture = light(figure_bytes(drawn, "svg").decode()).encode()
+        raster = webp(figure_bytes(drawn, "png")) if len(picture) > LARGE else picture
+    return (".webp", raster) if len(raster) < len(picture) else (".svg", picture)

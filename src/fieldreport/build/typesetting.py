@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import json
 import re
 import subprocess
@@ -18,7 +17,14 @@ from fieldrecon._core.digests import json_digest
 from fieldreport.build.code_dependencies import code_digests
 from fieldreport.build.errors import BuildError
 from fieldreport.build.manifest import versions
-from fieldreport.build.screen_figures import address, screen_file
+from fieldreport.build.screen_figures import (
+    address,
+    dark_values,
+    element,
+    raster,
+    screen_file,
+    with_pictures,
+)
 from fieldreport.build.step_records import Steps
 from fieldreport.build.widget_scripts import embedded
 from fieldreport.framework.orders_of_magnitude import mark_orders
@@ -94,8 +100,9 @@ class Document:
         text = self.convert(values, metadata)
         write_atomically(self.page, text["site"].encode())
         source = write_atomically(self.out / ".state" / "report.typ", text["print"].encode())
+        page = self._whole_page(text["page"], self.with_figures(text["site"]))
         return [
-            write_atomically(self.out / "report.html", self._whole_page(text["page"])),
+            write_atomically(self.out / "report.html", page),
             write_atomically(self.out / "report.pdf", typeset(source, self.out)),
         ]
 
@@ -171,9 +178,12 @@ class Document:
                     return f"{self.source.name}/chapters/{path.name}:{number}: "
         return ""
 
-    def _whole_page(self, page: str) -> bytes:
-        """Return the one-file page, which must not be longer than its limit."""
-        content = self._dressed(page).encode()
+    def _whole_page(self, page: str, site: str) -> bytes:
+        """Return the one-file page, which must not be longer than its limit.
+
+        Its fonts also have the characters of the site.
+        """
+        content = self._dressed(page, site).encode()
         if len(content) > PAGE_LIMIT:
             figures = sorted(self.out.glob("screen/*/*.*"), key=lambda path: -path.stat().st_size)
             raise BuildError(
@@ -182,17 +192,17 @@ class Document:
             )
         return content
 
-    def _dressed(self, page: str) -> str:
-        """Embed style sheet, fonts, living figures and figures in the page."""
+    def _dressed(self, page: str, site: str) -> str:
+        """Embed figures, living figures, style sheet and fonts in the page."""
         css = (self.source / "style.css").read_text(encoding="utf-8")
-        page = page.replace("<mi>∇</mi>", UPRIGHT_NABLA)
+        page = self.with_figures(page.replace("<mi>∇</mi>", UPRIGHT_NABLA))
         page = embedded(page, self.source, self.out)
-        page = page.replace("/* style */", self._fonts(page) + css, 1)
-        return self.with_figures(page)  # last, since the figures make the page twenty times as long
+        style = self._fonts(page + site) + css + DARK.format(dark_values(page))
+        return page.replace("/* style */", style, 1)
 
     def with_figures(self, page: str) -> str:
         """Embed the figures that the page refers to."""
-        return FIGURE.sub(self._embedded, page)
+        return with_pictures(page, self._picture)
 
     def _fonts(self, page: str) -> str:
         """Return the font rules; fonts are subset again only if the characters have changed."""
@@ -212,13 +222,16 @@ class Document:
             steps.record("fonts", key, [path])
         return path.read_text(encoding="utf-8")
 
-    def _embedded(self, source: re.Match[str]) -> str:
-        return address(screen_file(self.out, html.unescape(source[1])))
+    def _picture(self, figure: str, alt: str, width: str) -> str:
+        path = screen_file(self.out, figure)
+        if path.suffix == ".webp":
+            return raster(address(path), alt, width)
+        return element(path.read_text(encoding="utf-8"), path.stem, alt, width)
 
 
 UPRIGHT_NABLA = '<mi mathvariant="normal">∇</mi>'
 """Without this, a browser would slant the operator like a variable."""
-FIGURE = re.compile(r'(?<=<img src=")([^":]+)\.svg(?=")')
+DARK = "@media screen and (prefers-color-scheme: dark) {{ :root {{ {0}}} }}\n"
 QUOTATION = re.compile(r"\{\{(\w+)\.(params\.)?(\w+)(?::[^{}]*)?\}\}")
 
 

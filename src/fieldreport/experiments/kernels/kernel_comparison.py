@@ -302,7 +302,6 @@ def plot_far(result: Result) -> Figure:
         "far_plate_loose": plate | {"linestyle": ":", "label": "r² log r² alone"},
         "far_plate": plate | {"linestyle": "-", "label": "r² log r² and a plane"},
         "far_gaussian_plane": bell | {"linestyle": "-", "label": "Gaussian and a plane"},
-        "far_gaussian": bell | {"linestyle": ":", "label": "Gaussian alone: 0"},
     }
     distances = result.arrays["distances"]
     with figure(height=2.6) as (page, axes):

@@ -16,7 +16,7 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure
+from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, shades
 from fieldreport.framework.experiment import Map, Result, ResultTable
 from fieldreport.framework.parameters import Parameters, input_file, parameter
 from fieldreport.framework.result_files import read_benchmark, select_columns, tables
@@ -247,19 +247,23 @@ HIGHEST = {"terrain": 10.0}
 
 
 def looks(methods: Iterable[str]) -> dict[str, dict[str, Any]]:
-    """Return the line styles: ours thick with filled markers, the others with open markers."""
+    """Return the line styles: ours thick, in shades, with filled markers; the others open."""
+    methods = list(methods)
+    own = [method for method in methods if method.startswith(OURS)]
+    shade = dict(zip(own, shades("PU", len(own)), strict=True))
     seen: Counter[str] = Counter()
     drawn = {}
     for method in methods:
         library = method.replace(",", "").split()[0]
+        ours = library == OURS
         color, dashes = LIBRARIES[library]
-        ours = library == "fieldrecon"
+        color = shade[method]["color"] if ours else color
         drawn[method] = {
             "color": color,
             "linestyle": dashes,
             "linewidth": 1.5 if ours else 0.8,
             "marker": MARKERS[seen[library]],
-            "markersize": 4.2 if ours else 4.6,
+            "markersize": 5.0 if ours else 4.6,
             "markerfacecolor": color if ours else "white",
             "markeredgewidth": 0.8,
             "label": method,
