@@ -36,13 +36,13 @@ OURS, THEIRS = "fieldrecon, edges of {:g} spacings", f"Open3D, depth {DEPTH}"
 @dataclass(frozen=True)
 class Size:
     points: int = 20_000
-    repeats: int = 2
+    repeats: int = 1
     peer: bool = True
 
 
 FULL = Size()
-QUICK = Size(points=4_000, repeats=1)
-TOY = Size(points=800, repeats=1, peer=False)
+QUICK = Size(points=4_000)
+TOY = Size(points=800, peer=False)
 
 Mesh = tuple[np.ndarray, np.ndarray]
 """Points and triangles."""

@@ -247,8 +247,8 @@ def _next_share(x: np.ndarray, f: np.ndarray) -> np.ndarray:
     not be monotone.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
-        place, height = (x[0] - x[1]) / (x[2] - x[1]), (f[0] - f[1]) / (f[2] - f[1])
-        monotone = (1 - np.sqrt(1 - place) < height) & (height < np.sqrt(place))
+        xi, phi = (x[0] - x[1]) / (x[2] - x[1]), (f[0] - f[1]) / (f[2] - f[1])
+        monotone = (1 - np.sqrt(1 - xi) < phi) & (phi < np.sqrt(xi))
         inverse = f[0] / (f[1] - f[0]) * f[2] / (f[1] - f[2])
         inverse += (x[2] - x[0]) / (x[1] - x[0]) * f[0] / (f[2] - f[0]) * f[1] / (f[2] - f[1])
     return np.where(f[0] == 0, 0.0, np.where(monotone, inverse, 0.5))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import product
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
@@ -195,9 +193,10 @@ def _far_points(cloud: CleanedCloud, box: np.ndarray) -> tuple[np.ndarray, np.nd
     size = float((box[1] - low).max())
     for level in range(int(np.log2(max(size / (4 * step), 1))) + 1):
         unit = 2.0**level
-        cells = np.unique(np.round((cloud.points - low) / (unit * step)).astype(np.int64), axis=0)
-        offsets = np.array(list(product(range(-_RINGS, _RINGS + 1), repeat=3)))
-        index = np.unique((cells[:, None] + offsets).reshape(-1, 3), axis=0)
+        index = np.unique(np.round((cloud.points - low) / (unit * step)).astype(np.int64), axis=0)
+        for axis in np.eye(3, dtype=np.int64):  # the rings around, without each node 125 times
+            rings = np.arange(-_RINGS, _RINGS + 1)[:, None] * axis
+            index = np.unique((index[:, None] + rings).reshape(-1, 3), axis=0)
         nodes = low + unit * step * (index + _SHIFT)
         nodes = nodes[((nodes > box[0]) & (nodes < box[1])).all(axis=1)]
         classified = classified_points(cloud.points, cloud.outward, nodes)
