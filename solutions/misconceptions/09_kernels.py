@@ -325,14 +325,6 @@ def yes_or_no(points, degree):
 
 
 @answers("09.3", named=False)
-def no_tolerance_given(points, degree):
-    """Without a tolerance, rounding errors of points far away count as a direction."""
-    z = points - points.mean(axis=0)
-    p = full(z / np.ptp(z), degree)
-    return p.shape[1] - np.linalg.matrix_rank(p)
-
-
-@answers("09.3", named=False)
 def each_axis_by_its_own_size(points, degree):
     """Points on a line parallel to an axis have the size zero along the other axis."""
     z = points - points[0]

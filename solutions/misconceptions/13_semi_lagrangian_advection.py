@@ -615,7 +615,7 @@ def step_divided_by_the_rounds(sites, u, dt, rounds, k):
     """The step was divided into as many parts as there are rounds. In (13.10) each round uses the
     whole Δt and begins at x.
     """
-    return from_the_last_foot(sites, u, dt / rounds, rounds, k)
+    return from_the_last_foot(sites, u, dt / max(rounds, 1), rounds, k)
 
 
 @answers("13.11")
