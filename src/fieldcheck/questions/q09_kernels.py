@@ -103,7 +103,7 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
         (cube, ridges(plane, 1) * uneven, "the cubes, with linear conditions in different units"),
         (cube, 1e-9 * ridges(plane, 1), "the cubes, with linear conditions of the size 10⁻⁹"),
         (root, 1e-12 * ridges(other, 0), "minus the distances, with a constant of the size 10⁻¹²"),
-        (plate, 1e15 * ridges(line, 1), "thin plates on a line, with conditions of the size 10¹⁵"),
+        (cube, 1e-12 * ridges(plane, 1), "the cubes, with linear conditions of the size 10⁻¹²"),
     )
     return tuple(Call("least_eigenvalue", (a, p), case) for a, p, case in cases)
 
