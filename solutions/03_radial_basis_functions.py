@@ -233,8 +233,9 @@ print("Bᵀλ:", three_b.T @ three_lambda)
 #
 # <details><summary>Hint</summary>
 #
-# Which array holds all differences $\mathbf{p}_i - \mathbf{p}_j$? Look at `distances`. `np.block`
-# puts blocks together.
+# Which array holds all differences $\mathbf{p}_i - \mathbf{p}_j$? Look at `distances`. $\mathbf{B}$
+# is the matrix of 01.1; if you have written 01.1, use your function. `np.block` puts blocks
+# together.
 #
 # </details>
 

@@ -263,8 +263,8 @@ check("14.1")
 #
 # ### 14.2 Triangles at each edge
 #
-# Return, for each row of `sides(triangles)`, how many triangles have its edge. For the square of
-# the example the result is $1, 1, 2, 2, 1, 1$.
+# Return, for each row of `sides(triangles)`, how many triangles have its edge. A triangle that is
+# listed twice counts twice. For the square of the example the result is $1, 1, 2, 2, 1, 1$.
 #
 # <details><summary>Hint</summary>
 #

@@ -3,7 +3,8 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q12_aeroelastic_coupling import grid, section, transfer, wing
+from fieldcheck.questions.q12_load_transfer import grid, transfer
+from fieldcheck.questions.q12_steady_state import section, wing
 from fieldgrade.authoring.hidden_cases import hidden
 
 

@@ -123,6 +123,12 @@ def weights_as_a_matrix(points, x, epsilon):
     return np.diag(weight(points, x, epsilon))
 
 
+@answers("02.1", named=False)
+def absolute_positions(points, x, epsilon):
+    """The coordinates of the points and of x have lost their signs."""
+    return weight(np.abs(points), np.abs(x), epsilon)
+
+
 # 02.2 weighted_fit
 
 
@@ -279,6 +285,12 @@ def unsquared_in_the_field(points, values, x, epsilon):
     system with (2.5).
     """
     return np.array([value_at(solved(points, values, weight(points, p, epsilon)), p) for p in x])
+
+
+@answers("02.4", named=False)
+def absolute_evaluation_points(points, values, x, epsilon):
+    """The coordinates of the evaluation points have lost their signs."""
+    return [value_at(local(points, values, y, epsilon), y) for y in np.abs(x)]
 
 
 # 02.5 objective

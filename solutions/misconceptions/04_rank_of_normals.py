@@ -301,6 +301,18 @@ def scaled_together(points, c):
     return n / np.linalg.norm(n)
 
 
+@answers("04.4", named=False)
+def absolute_points(points, c):
+    """The coordinates of the points have lost their signs."""
+    return unit(turn(flow_at(np.abs(points), c)))
+
+
+@answers("04.4", named=False)
+def absolute_velocities(points, c):
+    """The components of the velocity have lost their signs."""
+    return unit(turn(np.abs(flow_at(points, c))))
+
+
 # 04.5 The obvious conditions
 
 
@@ -320,6 +332,26 @@ def only_not_all_parallel(points, normals):
 def coarse_test_of_directions(points, normals):
     """With this tolerance normals at a small angle count as parallel."""
     return all(spans(points[np.abs(normals @ [-n[1], n[0]]) > 0.01]) for n in normals)
+
+
+@answers("04.5", named=False)
+def first_three_points_only(points, normals):
+    """Only the first three of the points that count were tested for lying on a line."""
+    return all(spans(points[np.abs(normals @ [-n[1], n[0]]) > 1e-9][:3]) for n in normals)
+
+
+@answers("04.5", named=False)
+def compared_by_slope(points, normals):
+    """Two opposite upright normals have different slopes, but are parallel."""
+    slopes = normals[:, 1] / (normals[:, 0] + 1e-300)
+    return all(spans(points[np.abs(slopes - slope) > 1e-9]) for slope in slopes)
+
+
+@answers("04.5", named=False)
+def compared_by_one_component(points, normals):
+    """Two mirrored normals have the same first component, but are not parallel."""
+    sizes = np.abs(normals[:, 0])
+    return all(spans(points[np.abs(sizes - size) > 1e-9]) for size in sizes)
 
 
 @answers("04.5")

@@ -117,6 +117,18 @@ def begins_with_the_second_corner(center, radius, turn):
     return center + radius * circle(turn + np.pi / 3 * np.arange(1, 7))
 
 
+@answers("07.1", named=False)
+def absolute_center(center, radius, turn):
+    """The coordinates of the centre have lost their signs."""
+    return np.abs(center) + radius * circle(turn + np.pi / 3 * np.arange(6))
+
+
+@answers("07.1", named=False)
+def absolute_angle(center, radius, turn):
+    """The angle has lost its sign: the hexagon was always turned to the left."""
+    return center + radius * circle(abs(turn) + np.pi / 3 * np.arange(6))
+
+
 # 07.2
 
 

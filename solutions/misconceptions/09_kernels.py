@@ -199,6 +199,12 @@ def absolute_tolerance(a, p):
     return on_the_complement(a, p, int((np.linalg.svd(p, compute_uv=False) > 1e-6).sum()))
 
 
+@answers("09.2", named=False)
+def small_absolute_tolerance(a, p):
+    """The tolerance of the text is taken as absolute: it must be relative."""
+    return on_the_complement(a, p, int((np.linalg.svd(p, compute_uv=False) > 1e-10).sum()))
+
+
 # 09.3 Polynomials that vanish
 
 
@@ -316,6 +322,14 @@ def yes_or_no(points, degree):
     many as the rank falls short of the number of monomials.
     """
     return int(rank_of(full(own_box(points), degree), 1e-10) < space(degree))
+
+
+@answers("09.3", named=False)
+def each_axis_by_its_own_size(points, degree):
+    """Points on a line parallel to an axis have the size zero along the other axis."""
+    z = points - points[0]
+    p = full(z / np.abs(z).max(axis=0), degree)
+    return p.shape[1] - np.linalg.matrix_rank(p, rtol=1e-10)
 
 
 # 09.4 The field

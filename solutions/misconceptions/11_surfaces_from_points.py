@@ -12,17 +12,29 @@ def distances(points):
 # 11.1 Normals
 
 
-def fitted(points, k, first=0, which=0, centre="mean"):
-    n, q = np.zeros(points.shape), np.zeros(len(points))
-    for i, row in enumerate(distances(points)):
-        near = points[np.argsort(row)[first : first + k]]
-        if centre == "mean":
-            near = near - near.mean(axis=0)
-        if centre == "point":
-            near = near - points[i]
-        size, axes = np.linalg.eigh(near.T @ near)
-        n[i], q[i] = axes[:, which], np.round(1 - size[0] / size[1], 11)
-    return n, q
+def neighbours(points, k, first=0):
+    """The k nearest points of each point, of shape (N, k, D)."""
+    return points[np.argsort(distances(points), axis=1)[:, first : first + k]]
+
+
+def products(offsets):
+    return np.einsum("nki,nkj->nij", offsets, offsets)
+
+
+def principal(near, centre=None):
+    """Eigenvalues (N, D) and eigenvectors (N, D, D), about the means or another centre."""
+    return np.linalg.eigh(
+        products(near - (near.mean(axis=1)[:, None] if centre is None else centre))
+    )
+
+
+def planarity(sizes):
+    return np.round(1 - sizes[:, 0] / sizes[:, 1], 11)
+
+
+def fitted(points, k, first=0, which=0, centre=None):
+    sizes, axes = principal(neighbours(points, k, first), centre)
+    return axes[:, :, which], planarity(sizes)
 
 
 @answers("11.1")
@@ -38,7 +50,7 @@ def not_centred(points, k):
     """The mean of the neighbours was not subtracted. Then the largest variance points from the
     origin to the cloud, and the result depends on the position of the origin.
     """
-    return fitted(points, k, centre="")
+    return fitted(points, k, centre=0)
 
 
 @answers("11.1")
@@ -47,7 +59,7 @@ def centred_at_the_point(points, k):
     surface the neighbours lie on one side of the point, and this adds to the variance across the
     surface.
     """
-    return fitted(points, k, centre="point")
+    return fitted(points, k, centre=points[:, None])
 
 
 @answers("11.1")
@@ -69,13 +81,8 @@ def one_more_neighbour(points, k):
 @answers("11.1")
 def row_for_column(points, k):
     """A row of the matrix of eigenvectors was taken. `eigh` returns the eigenvectors as columns."""
-    n, q = np.zeros(points.shape), np.zeros(len(points))
-    for i, row in enumerate(distances(points)):
-        near = points[np.argsort(row)[:k]]
-        near = near - near.mean(axis=0)
-        size, axes = np.linalg.eigh(near.T @ near)
-        n[i], q[i] = axes[0], 1 - size[0] / size[1]
-    return n, q
+    sizes, axes = principal(neighbours(points, k))
+    return axes[:, 0], planarity(sizes)
 
 
 @answers("11.1")
@@ -83,13 +90,8 @@ def planarity_by_the_largest(points, k):
     """The planarity compares the smallest variance with the largest. The formula (11.2) compares
     the two smallest, which is another number in space.
     """
-    n, q = np.zeros(points.shape), np.zeros(len(points))
-    for i, row in enumerate(distances(points)):
-        near = points[np.argsort(row)[:k]]
-        near = near - near.mean(axis=0)
-        size, axes = np.linalg.eigh(near.T @ near)
-        n[i], q[i] = axes[:, 0], 1 - size[0] / size[-1]
-    return n, q
+    sizes, axes = principal(neighbours(points, k))
+    return axes[:, :, 0], 1 - sizes[:, 0] / sizes[:, -1]
 
 
 @answers("11.1")
@@ -106,13 +108,9 @@ def mean_of_squares_less_square_of_mean(points, k):
     """The covariance was computed as a sum of squares minus a square of sums. Far from the origin
     both are nearly equal, and digits cancel. Subtract the mean first.
     """
-    n, q = np.zeros(points.shape), np.zeros(len(points))
-    for i, row in enumerate(distances(points)):
-        near = points[np.argsort(row)[:k]]
-        total = near.sum(axis=0)
-        size, axes = np.linalg.eigh(near.T @ near - np.outer(total, total) / k)
-        n[i], q[i] = axes[:, 0], 1 - size[0] / size[1]
-    return n, q
+    near = neighbours(points, k)
+    sizes, axes = np.linalg.eigh(products(near) - products(near.sum(axis=1, keepdims=True)) / k)
+    return axes[:, :, 0], 1 - sizes[:, 0] / sizes[:, 1]
 
 
 @answers("11.1")
@@ -207,9 +205,19 @@ def lengths_for_links(points, k):
 
 
 def grown(
-    points, normals, linked, cost, *, root="highest", upward=True, parent_sign=1.0, parts=None
+    points,
+    normals,
+    linked,
+    cost,
+    *,
+    root="highest",
+    upward=True,
+    parent_sign=1.0,
+    parts=None,
+    compared_with=None,
 ):
     n = normals.copy()
+    parents = n if compared_with is None else compared_with
     left = set(range(len(n)))
     begun = 0
     while left and (parts is None or begun < parts):
@@ -224,7 +232,7 @@ def grown(
             if not reach:
                 break
             _, a, b = min(reach)
-            if parent_sign * (n[a] @ n[b]) < 0:
+            if parent_sign * (parents[a] @ n[b]) < 0:
                 n[b] = -n[b]
             tree.append(b)
             left.discard(b)
@@ -311,25 +319,39 @@ def compared_with_the_first(points, normals, linked):
     return np.where(n @ top < 0, -1, 1)[:, None] * n
 
 
-@answers("11.3")
-def last_link_kept(points, normals, linked):
-    """Each point outside the tree keeps its *latest* link to the tree, not its cheapest: the
-    comparison of the costs is missing.
-    """
+def grown_by_arrays(
+    points,
+    normals,
+    linked,
+    highest=lambda heights, outside: np.argmax(np.where(outside, heights, -np.inf)),
+    keeps_latest=False,
+):
+    """Prim's algorithm with the cost and the origin of the best link to each point outside."""
     n = normals.copy()
     outside = np.ones(len(n), dtype=bool)
     cost, origin = np.full(len(n), np.inf), np.full(len(n), -1)
     while outside.any():
         i = int(np.argmin(np.where(outside, cost, np.inf)))
         if not (outside[i] and np.isfinite(cost[i])):
-            i = int(np.argmax(np.where(outside, points[:, -1], -np.inf)))
+            i = int(highest(points[:, -1], outside))
+            if not outside[i]:
+                return n
             n[i] *= -1 if n[i, -1] < 0 else 1
         elif n[i] @ n[origin[i]] < 0:
             n[i] *= -1
         outside[i] = False
         for j in np.flatnonzero(linked[i] * outside):
-            cost[j], origin[j] = 1 - abs(n[i] @ n[j]), i
+            if keeps_latest or 1 - abs(n[i] @ n[j]) < cost[j]:
+                cost[j], origin[j] = 1 - abs(n[i] @ n[j]), i
     return n
+
+
+@answers("11.3")
+def last_link_kept(points, normals, linked):
+    """Each point outside the tree keeps its *latest* link to the tree, not its cheapest: the
+    comparison of the costs is missing.
+    """
+    return grown_by_arrays(points, normals, linked, keeps_latest=True)
 
 
 @answers("11.3")
@@ -337,21 +359,7 @@ def compared_with_the_given_normal(points, normals, linked):
     """Each normal was compared with the *given* normal of its neighbour in the tree. The neighbour
     may have been inverted before: compare with the oriented normal.
     """
-    n, left = normals.copy(), set(range(len(normals)))
-    while left:
-        i = max(left, key=lambda j: points[j, -1])
-        n[i] = -normals[i] if normals[i, -1] < 0 else normals[i]
-        left.discard(i)
-        tree = [i]
-        while True:
-            reach = [(by_angle(normals, a, b), a, b) for a in tree for b in left if linked[a, b]]
-            if not reach:
-                break
-            _, a, b = min(reach)
-            n[b] = -normals[b] if normals[a] @ normals[b] < 0 else normals[b]
-            tree.append(b)
-            left.discard(b)
-    return n
+    return grown(points, normals, linked, by_angle, compared_with=normals)
 
 
 @answers("11.3")
@@ -365,23 +373,9 @@ def all_inward(points, normals, linked):
 @answers("11.3", named=False)
 def part_begun_at_height_zero(points, normals, linked):
     """The highest point of a component below zero is not found."""
-    n, count = normals.copy(), len(normals)
-    outside = np.ones(count, dtype=bool)
-    cost, origin = np.full(count, np.inf), np.full(count, -1)
-    while outside.any():
-        i = int(np.argmin(np.where(outside, cost, np.inf)))
-        if not np.isfinite(cost[i]) or not outside[i]:
-            i = int(np.argmax(points[:, -1] * outside))
-            if not outside[i]:
-                return n
-            n[i] *= -1 if n[i, -1] < 0 else 1
-        elif n[i] @ n[origin[i]] < 0:
-            n[i] *= -1
-        outside[i] = False
-        for j in np.flatnonzero(linked[i] * outside):
-            if 1 - abs(n[i] @ n[j]) < cost[j]:
-                cost[j], origin[j] = 1 - abs(n[i] @ n[j]), i
-    return n
+    return grown_by_arrays(
+        points, normals, linked, lambda heights, outside: np.argmax(heights * outside)
+    )
 
 
 # 11.4 Points beside

@@ -261,6 +261,12 @@ def areas_squared(H, p, m):
 
 
 @answers("12.6", named=False)
+def positive_areas_of_nodes(H, p, m):
+    """The area of a node with negative weights was replaced by a positive one."""
+    return (H.T @ (m * p)) / np.abs(H.T @ m)
+
+
+@answers("12.6", named=False)
 def absolute_weights(H, p, m):
     """Negative weights were replaced by positive ones."""
     return (np.abs(H).T @ (m * p)) / (np.abs(H).T @ m)

@@ -485,6 +485,17 @@ def around_the_nearest_site(sites, u, feet):
 # 13.9
 
 
+def halved(u, low, high, m, total, a, b, along=1.0):
+    """Bisection for the multiple of a change, between a and b, that gives the right mass."""
+    for _ in range(100):
+        middle = (a + b) / 2
+        if m @ np.clip(u + middle * along, low, high) < total:
+            a = middle
+        else:
+            b = middle
+    return np.clip(u + (a + b) / 2 * along, low, high)
+
+
 @answers("13.9")
 def bounds_alone(u, low, high, m, total):
     """The values were restricted to their bounds, but the mass was not corrected: λ of (13.9) is
@@ -520,24 +531,15 @@ def multiplied(u, low, high, m, total):
 @answers("13.9")
 def areas_ignored(u, low, high, m, total):
     """The sum of the values is right, but the areas m are missing: mass is value times area."""
-    down, up = (low - u).min(), (high - u).max()
-    wanted = total * len(m) / m.sum()
-    for _ in range(80):
-        middle = (down + up) / 2
-        down, up = (middle, up) if np.clip(u + middle, low, high).sum() < wanted else (down, middle)
-    return np.clip(u + middle, low, high)
+    return halved(
+        u, low, high, np.ones(len(m)), total * len(m) / m.sum(), (low - u).min(), (high - u).max()
+    )
 
 
 @answers("13.9")
 def changed_by_area(u, low, high, m, total):
     """The change is proportional to the area. In (13.9) the same λ is added to all values."""
-    down, up = ((low - u) / m).min(), ((high - u) / m).max()
-    for _ in range(80):
-        middle = (down + up) / 2
-        down, up = (
-            (middle, up) if m @ np.clip(u + middle * m, low, high) < total else (down, middle)
-        )
-    return np.clip(u + middle * m, low, high)
+    return halved(u, low, high, m, total, ((low - u) / m).min(), ((high - u) / m).max(), along=m)
 
 
 @answers("13.9")
@@ -547,16 +549,6 @@ def moved_between_the_bounds(u, low, high, m, total):
     """
     part = (total - m @ low) / (m @ (high - low))
     return low + part * (high - low)
-
-
-def halved(u, low, high, m, total, a, b):
-    for _ in range(100):
-        middle = (a + b) / 2
-        if m @ np.clip(u + middle, low, high) < total:
-            a = middle
-        else:
-            b = middle
-    return np.clip(u + (a + b) / 2, low, high)
 
 
 @answers("13.9", named=False)
@@ -623,10 +615,7 @@ def step_divided_by_the_rounds(sites, u, dt, rounds, k):
     """The step was divided into as many parts as there are rounds. In (13.10) each round uses the
     whole Δt and begins at x.
     """
-    y = sites
-    for _ in range(rounds):
-        y = y - dt / rounds * (matrix(sites, y, k) @ u)[:, None]
-    return y
+    return from_the_last_foot(sites, u, dt / max(rounds, 1), rounds, k)
 
 
 @answers("13.11")

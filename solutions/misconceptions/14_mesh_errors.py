@@ -198,6 +198,14 @@ def ends_summed(triangles):
     return np.bincount(key)[key]
 
 
+@answers("14.2")
+def different_triangles(triangles):
+    """A triangle that is listed twice was counted once. Count the rows of the list."""
+    corners = [frozenset(t) for t in triangles.tolist()]
+    pairs = [frozenset(s) for s in sides(triangles).tolist()]
+    return [len({t for t in corners if pair < t}) for pair in pairs]
+
+
 # 14.3 Euler
 
 
@@ -715,8 +723,8 @@ def plane(start, end, corners):
 
 @answers("14.8")
 def the_whole_straight_line(start, end, corners):
-    """Only the second condition of (14.5) was tested. Then the straight line through both points
-    meets the triangle, but the segment need not reach it.
+    """The result is that of the second condition of (14.5) alone. Then the straight line through
+    both points meets the triangle, but the segment need not reach it.
     """
     one, two, three = sides_of_line(start, end, corners)
     return (one == two) & (two == three)
@@ -724,8 +732,8 @@ def the_whole_straight_line(start, end, corners):
 
 @answers("14.8")
 def the_whole_plane(start, end, corners):
-    """Only the first condition of (14.5) was tested. Then the segment crosses the plane of the
-    triangle, perhaps outside the triangle.
+    """The result is that of the first condition of (14.5) alone. Then the segment crosses the plane
+    of the triangle, perhaps outside the triangle.
     """
     p, q = plane(start, end, corners)
     return p * q < 0

@@ -6,6 +6,7 @@ import re
 import sys
 import time
 from dataclasses import replace
+from itertools import zip_longest
 
 import matplotlib as mpl
 import numpy as np
@@ -303,6 +304,29 @@ def test_inputs_depend_on_the_seed_alone(name):
             assert np.array_equal(x, y)
             changed = changed or not np.array_equal(x, z)
     assert changed, "nobody has inputs of their own"
+
+
+POSITIVE = {
+    **{name: {2} for name in ("02.1", "02.2", "02.9", "11.4", "12.6", "14.7")},
+    **{name: {3} for name in ("02.4", "02.5", "02.7", "02.8", "13.9")},
+    **{name: {1, 2} for name in ("13.1", "13.2", "13.3")},
+    **{name: {2} for name in ("11.3", "13.6", "13.11")},
+    **{name: {1} for name in ("07.1", "14.1")},
+    **{name: {0} for name in ("09.5", "12.11")},
+    "05.8": {4},
+    "12.10": {4},
+}
+"""Positions of lengths, weights, areas, times, stiffnesses and links, which have one sign."""
+
+
+def test_inputs_have_both_signs_so_that_a_lost_sign_is_seen():
+    for question in questions().values():
+        calls = question.inputs(seed("", question.name))
+        rows = zip_longest(*(call.arguments for call in calls))
+        arrays = {i: [np.asarray(a) for a in row if a is not None] for i, row in enumerate(rows)}
+        numbers = {i: row for i, row in arrays.items() if row[0].dtype.kind == "f"}
+        positive = {i for i, row in numbers.items() if all((a >= 0).all() for a in row)}
+        assert positive == POSITIVE.get(question.name, set()), question.name
 
 
 def test_an_unknown_question_is_refused():

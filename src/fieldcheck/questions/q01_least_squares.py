@@ -131,6 +131,8 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
         (random.random((9, 3)) * [1, 1, 1e-8], "nine points in a layer of thickness 10⁻⁸"),
         (random.random((8, 2)) * [1, 1e-12], "eight points within 10⁻¹² of a line"),
         (random.random((9, 3)) * [1, 1, 1e-12], "nine points within 10⁻¹² of a plane"),
+        (random.random((8, 2)) * [1e-12, 1], "eight points within 10⁻¹² of an upright line"),
+        (random.random((9, 3)) * [1e-12, 1, 1], "nine points within 10⁻¹² of an upright plane"),
         (1e-9 * random.random((7, 2)), "seven points in a square of 10⁻⁹"),
         (1e-9 * random.random((8, 3)), "eight points in a cube of 10⁻⁹"),
         ([2e6, -3e5, 1e6] + random.random((9, 3)) * [1, 1, 1e-5], "a layer, 10⁶ away"),

@@ -40,9 +40,13 @@ def local_rounding(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
 
 
 def weights_inputs(seed: int) -> tuple[Call, ...]:
-    """Return an evaluation point, the same in another unit, one in space, and one at a site."""
+    """Return an evaluation point, the same in another unit, one in space, and one at a site.
+
+    All points lie around the origin.
+    """
     random = np.random.default_rng(seed)
-    plane, space, x = random.random((7, 2)), random.random((5, 3)), random.random(2)
+    plane, space = random.random((7, 2)) - 0.4, random.random((5, 3)) - 0.4
+    x = random.random(2) - 0.8
     return calls_of(
         "weights",
         ((plane, x, 0.3), "seven points in the plane"),
@@ -109,7 +113,7 @@ def weighted_residual_is_orthogonal(call: Call, values: Values) -> float:
 def field_inputs(seed: int) -> tuple[Call, ...]:
     """Return values, with an affine field added, moved and scaled, in space, and with a small ε."""
     random = np.random.default_rng(seed)
-    p, v, x = random.random((15, 2)), random.normal(size=15), random.random((5, 2))
+    p, v, x = random.random((15, 2)) - 0.4, random.normal(size=15), random.random((5, 2)) - 0.4
     slopes, shift = np.array([1.5, -2.0]), np.array([1.0, -0.5])
     return calls_of(
         "field",
@@ -120,7 +124,12 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
             "the same points, moved and three times as far apart",
         ),
         (
-            (random.random((20, 3)), random.normal(size=20), random.random((3, 3)), 0.5),
+            (
+                random.random((20, 3)) - 0.4,
+                random.normal(size=20),
+                random.random((3, 3)) - 0.4,
+                0.5,
+            ),
             "twenty points in space",
         ),
         ((p, v, x, 0.05), "a small ε"),

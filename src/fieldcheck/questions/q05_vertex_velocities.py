@@ -323,8 +323,8 @@ def linear_flow(p: np.ndarray) -> np.ndarray:
 
 
 def velocity_inputs(seed: int) -> tuple[Call, ...]:
-    """Return random data, with an affine field added, translated, and with other normals and
-    weights.
+    """Return random data, with an affine field added, translated, with other normals and weights,
+    and in other units of length.
     """
     random = np.random.default_rng(seed)
     p, n, x = samples(random, 12)
@@ -340,6 +340,8 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
         ((p + shift, n, v, x + shift, w), "the same edges, moved with the vertex"),
         ((p, flips[:, np.newaxis] * n, flips * v, x, w), "the same, some normals reversed"),
         ((*other[:2], random.normal(size=10), other[2], np.ones(10)), "ten edges of equal weight"),
+        ((1e-3 * p, n, v, 1e-3 * x, w), "the first edges, all lengths a thousandth"),
+        ((1e3 * p, n, v, 1e3 * x, w), "the first edges, all lengths times a thousand"),
     )
 
 
@@ -356,6 +358,13 @@ def reproduces_affine_fields(calls: Sequence[Call], values: Sequence[Values]) ->
 @law("Moving the edges together with the vertex must change nothing.", FITTED)
 def moves_along(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0], np.abs(values[0][0]).max() + 1)
+
+
+@law("Another unit of length must not change the velocity.", FITTED)
+def unit_of_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    return max(
+        relative(values[k][0] - values[0][0], np.abs(values[0][0]).max() + 1) for k in (5, 6)
+    )
 
 
 @law("Reversing a normal together with its normal velocity must change nothing.", FITTED)
@@ -482,7 +491,7 @@ QUESTIONS = (
         4,
         velocity_inputs,
         lambda _: ((2,),),
-        (reproduces_affine_fields, moves_along, side_of_the_normal),
+        (reproduces_affine_fields, moves_along, unit_of_length, side_of_the_normal),
         lambda _: FITTED,
     ),
     Question(

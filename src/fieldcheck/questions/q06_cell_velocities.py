@@ -7,15 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import LEAST_TOLERANCE, Question, law, law_of_each, relative
+from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q05_vertex_velocities import directions, mesh
-
-FAR = 1e7
-"""At this distance from the origin, squared coordinates have no digits left for a triangle."""
-DIGITS_FAR_AWAY = 1e-6
-"""Tolerance for rounded corners at this distance; squared coordinates have far larger errors."""
-STORED_DIGITS_FAR_AWAY = 1e-4
-"""Tolerance for right values at this distance, which are stored with twelve digits."""
+from fieldcheck.simplices import (
+    DIGITS_FAR_AWAY,
+    FAR,
+    is_equally_far,
+    relative_to_a_corner,
+    tolerance_far_away,
+)
 
 LEAST_DEFECT = 0.01
 """For normal velocities of size one; a smaller defect would have fewer than twelve digits."""
@@ -156,17 +156,6 @@ def grows_with_the_data(calls: Sequence[Call], values: Sequence[Values]) -> floa
 # 06.4 The circumcentre
 
 
-def tolerance_far_away(call: Call) -> float:
-    """Return the tolerance of a circumcentre relative to its triangle."""
-    return STORED_DIGITS_FAR_AWAY if np.max(np.abs(call.arguments)) > FAR / 2 else LEAST_TOLERANCE
-
-
-def relative_to_a_corner(call: Call, values: Values) -> Values:
-    """Return the position relative to the first corner, so that errors far away are visible."""
-    corners = np.concatenate([np.atleast_2d(a) for a in call.arguments])
-    return (values[0] - corners[0],)
-
-
 def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
     """Return triangles near the origin and far away, among them obtuse and small ones."""
     random = np.random.default_rng(seed)
@@ -180,17 +169,6 @@ def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
         ((triangle(random, False, 1e-3),), "a small triangle, clockwise"),
         ((along_the_axes(random),), "a triangle with two sides along the axes"),
     )
-
-
-@law_of_each(
-    "The circumcentre must be equally far from all corners. If this fails only far from the "
-    "origin, squares of large coordinates have lost digits.",
-    DIGITS_FAR_AWAY,
-)
-def equally_far(call: Call, values: Values) -> float:
-    (center,) = values
-    radius = np.hypot(*(call.arguments[0] - center).T)
-    return relative(np.diff(radius), radius)
 
 
 @law("Moving the triangle must move its circumcentre by as much.", DIGITS_FAR_AWAY)
@@ -326,7 +304,7 @@ QUESTIONS = (
         3,
         circumcentre_inputs,
         lambda _: ((2,),),
-        (equally_far, moves_along),
+        (is_equally_far, moves_along),
         tolerance_far_away,
         relative_to_a_corner,
     ),

@@ -12,9 +12,10 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Law, Question, law, law_of_each, relative
-from fieldcheck.questions.q06_cell_velocities import (
-    DIGITS_FAR_AWAY,
-    FAR,
+from fieldcheck.simplices import (
+    is_equally_far,
+    is_halved,
+    moved_far_away,
     relative_to_a_corner,
     tolerance_far_away,
 )
@@ -98,15 +99,28 @@ def reproduction_error(omega: np.ndarray, corners: np.ndarray, x: np.ndarray) ->
 
 
 def hexagon_inputs(seed: int) -> tuple[Call, ...]:
-    """Return two centres, radii and angles."""
+    """Return three centres, radii and angles; each coordinate and the angle have both signs."""
     random = np.random.default_rng(seed)
-    return tuple(
-        Call(
-            "hexagon",
-            (random.uniform(1, 2, 2) * [1, -1], random.uniform(*radius), random.uniform(0.2, 0.9)),
-            case,
-        )
-        for radius, case in (((0.6, 0.9), "a small hexagon"), ((1.5, 2.5), "a large hexagon"))
+    return calls_of(
+        "hexagon",
+        *(
+            ((random.uniform(1, 2, 2) * signs, random.uniform(*radius), turn), case)
+            for signs, radius, turn, case in (
+                ((1, -1), (0.6, 0.9), random.uniform(0.2, 0.9), "a small hexagon"),
+                (
+                    (-1, 1),
+                    (1.5, 2.5),
+                    -random.uniform(0.2, 0.9),
+                    "a large hexagon, turned clockwise",
+                ),
+                (
+                    (-1, -1),
+                    (0.9, 1.5),
+                    -random.uniform(0.2, 0.9),
+                    "another hexagon, turned clockwise",
+                ),
+            )
+        ),
     )
 
 
@@ -151,34 +165,15 @@ def triangles(name: str, seed: int) -> tuple[Call, ...]:
 def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
     """Return the triangles, and two of them far from the origin."""
     near = triangles("circumcenter", seed)
-    moved = (tuple(corner + FAR for corner in call.arguments) for call in (near[0], near[3]))
     cases = ("the first triangle, far from the origin", "an obtuse triangle far from the origin")
-    return near + calls_of("circumcenter", *zip(moved, cases, strict=True))
+    return near + moved_far_away((near[0], near[3]), cases)
 
 
-@law_of_each(
-    "A circumcentre must be equally far from all three corners. If this fails only far from the "
-    "origin, squares of large coordinates have lost digits.",
-    DIGITS_FAR_AWAY,
-)
-def is_equally_far(call: Call, values: Values) -> float:
-    """Return the largest difference between the distances to the three corners."""
-    (p,) = values
-    distances = np.array([np.hypot(*(p - corner)) for corner in call.arguments])
-    return relative(distances - distances.mean(), distances)
-
-
-@law(
+AREA_IS_HALVED = Law(
     "An area must be positive and must not depend on the order of the corners. A line from a "
-    "corner to the middle of the opposite side must cut it in half."
+    "corner to the middle of the opposite side must cut it in half.",
+    is_halved,
 )
-def halves_with_the_triangle(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the deviation of the area under exchanged corners and halving, or from positive."""
-    each = [float(v) for (v,) in values]
-    whole, turned, half = each[:3]
-    return max(
-        relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -min(each))
-    )
 
 
 # 07.4 Weights
@@ -211,7 +206,7 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
 def balances(call: Call, values: Values) -> float:
     """Return the weighted sum of the vectors to the corners, which must vanish."""
     (w,) = values
-    _, _, corners, x = call.arguments
+    *_, corners, x = call.arguments
     pulls = w[:, None] * (corners - x)
     return relative(pulls.sum(axis=0), pulls)
 
@@ -406,9 +401,9 @@ def safe_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("Turning the cell and the points must not change the coordinates.")
+@law("Rotating the cell and the points must not change the coordinates.")
 def is_rotation_invariant(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the change of the coordinates under a quarter turn."""
+    """Return the change of the coordinates under a rotation."""
     return relative(values[1][0] - values[0][0], values[0][0])
 
 
@@ -448,7 +443,7 @@ QUESTIONS = (
         1,
         lambda seed: triangles("area", seed),
         lambda _: ((),),
-        (halves_with_the_triangle,),
+        (AREA_IS_HALVED,),
     ),
     Question(
         "07.4",

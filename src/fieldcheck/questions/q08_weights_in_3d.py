@@ -12,10 +12,17 @@ from itertools import product
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Question, law, law_of_each, relative
-from fieldcheck.questions.q06_cell_velocities import (
-    DIGITS_FAR_AWAY,
-    FAR,
+from fieldcheck.question import Law, Question, law, relative
+from fieldcheck.questions.q07_voronoi_coordinates import (
+    ONE,
+    balances,
+    has_negative_coordinates_outside,
+    is_rotation_invariant,
+)
+from fieldcheck.simplices import (
+    is_equally_far,
+    is_halved,
+    moved_far_away,
     relative_to_a_corner,
     tolerance_far_away,
 )
@@ -85,37 +92,18 @@ def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
     )
 
 
-@law(
+VOLUME_IS_HALVED = Law(
     "A volume must be positive and must not depend on the order of the corners. A plane through "
-    "one edge and the middle of the opposite edge must cut it in half."
+    "one edge and the middle of the opposite edge must cut it in half.",
+    is_halved,
 )
-def halves_with_the_tetrahedron(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the deviation of the volume under reordering and halving, or from positive."""
-    each = [float(v) for (v,) in values]
-    whole, turned, half = each[:3]
-    return max(
-        relative(turned - whole, whole), relative(2 * half - whole, whole), max(0.0, -min(each))
-    )
 
 
 def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
     """Return the tetrahedra, and two of them far from the origin."""
     near = tetrahedra("circumcenter", seed)
-    moved = (tuple(corner + FAR for corner in call.arguments) for call in (near[0], near[3]))
     cases = ("the first tetrahedron, far from the origin", "a flat tetrahedron, far away")
-    return near + calls_of("circumcenter", *zip(moved, cases, strict=True))
-
-
-@law_of_each(
-    "A circumcentre must be equally far from all four corners. If this fails only far from the "
-    "origin, squares of large coordinates have lost digits.",
-    DIGITS_FAR_AWAY,
-)
-def is_equally_far(call: Call, values: Values) -> float:
-    """Return the largest difference between the distances to the four corners."""
-    (p,) = values
-    distances = np.array([np.sqrt((p - corner) @ (p - corner)) for corner in call.arguments])
-    return relative(distances - distances.mean(), distances)
+    return near + moved_far_away((near[0], near[3]), cases)
 
 
 # 08.4 The volume of the normals
@@ -135,12 +123,12 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         name,
         ((center, center + edges), "a tetrahedron"),
         (
-            (center, center + np.array([[2.0], [0.5], [1.5]]) * edges),
-            "the same directions, other lengths",
+            (-center, np.array([[2.0], [0.5], [1.5]]) * edges - center),
+            "the same directions elsewhere, other lengths",
         ),
         ((center, center + edges[[1, 0, 2]]), "the same tips in another order"),
         (
-            (center, center + random.uniform(1, 2, (3, 1)) * frame),
+            (-center, random.uniform(1, 2, (3, 1)) * frame - center),
             "perpendicular edges, left-handed",
         ),
     )
@@ -190,16 +178,6 @@ def point_outside(
         return float(np.abs((corners - x) @ spokes.T).min())
 
     return max(points_outside(center, neighbors, cells, corners), key=least)
-
-
-@law_of_each(
-    "The vectors from the point to the corners, multiplied by the weights, must sum to zero."
-)
-def balances(call: Call, values: Values) -> float:
-    """Return the weighted sum of the vectors to the corners, which must vanish."""
-    (w,) = values
-    pulls = w[:, None] * (call.arguments[3] - call.arguments[4])
-    return relative(pulls.sum(axis=0), pulls)
 
 
 @law(
@@ -288,18 +266,6 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("The coordinates of a point must sum to one, so that a constant is reproduced.")
-def sums_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the deviation of row sums from one."""
-    return max(float(np.abs(omega.sum(axis=1) - 1).max()) for (omega,) in values)
-
-
-@law("Rotating the cell and the points must not change the coordinates.")
-def is_rotation_invariant(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the change of the coordinates under a rotation."""
-    return relative(values[1][0] - values[0][0], values[0][0])
-
-
 @law(
     "In a corner the coordinate of this corner must be one and all others zero. In the middle of "
     "an edge those of its two ends must be one half."
@@ -310,12 +276,6 @@ def is_right_on_the_cube(_: Sequence[Call], values: Sequence[Values]) -> float:
     return max(relative(omega - wanted, 1.0) for (omega,) in values[3:5])
 
 
-@law("Outside the cell some coordinates must be negative.")
-def has_negative_coordinates_outside(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return one if the coordinates of a point outside are all positive or zero."""
-    return float(max((omega.min(axis=1) > -1e-6).any() for (omega,) in values[5:7]))
-
-
 QUESTIONS = (
     Question(
         "08.1",
@@ -323,7 +283,7 @@ QUESTIONS = (
         1,
         lambda seed: tetrahedra("volume", seed),
         lambda _: ((),),
-        (halves_with_the_tetrahedron,),
+        (VOLUME_IS_HALVED,),
     ),
     Question(
         "08.2",
@@ -368,7 +328,7 @@ QUESTIONS = (
         coordinates_inputs,
         lambda call: ((len(call.arguments[3]), len(call.arguments[2])),),
         (
-            sums_to_one,
+            ONE,
             is_rotation_invariant,
             is_right_on_the_cube,
             has_negative_coordinates_outside,

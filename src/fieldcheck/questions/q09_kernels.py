@@ -102,6 +102,8 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
         ),
         (cube, ridges(plane, 1) * uneven, "the cubes, with linear conditions in different units"),
         (cube, 1e-9 * ridges(plane, 1), "the cubes, with linear conditions of the size 10⁻⁹"),
+        (root, 1e-12 * ridges(other, 0), "minus the distances, with a constant of the size 10⁻¹²"),
+        (cube, 1e-12 * ridges(plane, 1), "the cubes, with linear conditions of the size 10⁻¹²"),
     )
     return tuple(Call("least_eigenvalue", (a, p), case) for a, p, case in cases)
 
@@ -135,7 +137,7 @@ def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -
 
 
 def vanishing_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in general position, on a line, near and on an ellipse, few, repeated, in small
+    """Return points in general position, on lines, near and on an ellipse, few, repeated, in small
     boxes and far from the origin.
     """
     random = np.random.default_rng(seed)
@@ -148,7 +150,9 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
     off = ellipse + 1e-6 * (np.arange(9) == 4)[:, None]
     along = np.sort(cloud(random, 7, 1)[:, 0])
     near = np.outer(along, [np.cos(turn), np.sin(turn)])
+    nearer = near.copy()
     near[3] += 1e-7 * np.array([-np.sin(turn), np.cos(turn)])
+    nearer[3] += 5e-9 * np.array([-np.sin(turn), np.cos(turn)])
     cases = (
         (cloud(random, 8, 2), 2, "eight points and the degree 2"),
         (line, 1, "six points on a line and the degree 1"),
@@ -167,9 +171,20 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
         (off, 2, "nine points near an ellipse, one of them off by 10⁻⁶, and the degree 2"),
         (1e6 * ellipse, 2, "nine points on an ellipse of the size 10⁶ and the degree 2"),
         (near, 1, "seven points near a line, one of them off by 10⁻⁷, and the degree 1"),
+        (nearer, 1, "seven points near a line, one of them off by 5 · 10⁻⁹, and the degree 1"),
+        (nearer[:, ::-1], 1, "the same with exchanged coordinates"),
         (cloud(random, 12, 2), 3, "twelve points and the degree 3"),
     )
-    return tuple(Call("vanishing", (p, degree), case) for p, degree, case in cases)
+    exact = (
+        (cloud(random, 6, 2) * [0, 1] + [0.7, 0], 1, "six points on an upright line, degree 1"),
+        (cloud(random, 7, 2) * [1, 0] - [0, 0.3], 2, "seven points on a level line, degree 2"),
+        (line + 1e4, 1, "six points on a line, 10⁴ from the origin, and the degree 1"),
+        (line - 1e4, 2, "six points on a line, 10⁴ from the origin, and the degree 2"),
+    )
+    return (
+        *(Call("vanishing", (p, degree), case) for p, degree, case in cases),
+        *(Call("vanishing", (p, degree), case, exact=(0,)) for p, degree, case in exact),
+    )
 
 
 @law_of_each(
@@ -198,6 +213,8 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
         (9, 1, 0, "nine points, k = 1 and the degree 0"),
         (14, 5, 2, "fourteen points, k = 5 and the degree 2"),
         (8, 2, 1, "values of a linear function"),
+        (16, 3, 3, "sixteen points, cubes and the degree 3"),
+        (18, 4, 3, "eighteen points, k = 4 and the degree 3"),
     )
     calls = []
     for n, k, degree, case in cases:
@@ -280,22 +297,22 @@ def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def exchange_inputs(seed: int) -> tuple[Call, ...]:
-    """Return three points, the third on the left, on the right, and far away; all far from the
-    origin.
+    """Return three points, the third on the left, on the right, and far away; all on one side of
+    the origin, each time on another.
     """
     random = np.random.default_rng(seed)
     cases = (
-        ("a third point on the left", 0, 1.6),
-        ("a third point on the right", 1, 1.4),
-        ("a third point far away", 0, 20.0),
-        ("a third point between the two", 1, 0.5),
+        ("a third point on the left", 0, 1.6, (1, 1)),
+        ("a third point on the right", 1, 1.4, (-1, 1)),
+        ("a third point far away", 0, 20.0, (-1, -1)),
+        ("a third point between the two", 1, 0.5, (1, -1)),
     )
     calls = []
-    for case, half, far in cases:
+    for case, half, far, signs in cases:
         start = random.uniform(0, 2 * np.pi)
         angle = start + np.pi * (half + random.uniform(0.1, 0.4) + 0.5 * (random.random() < 0.5))
         arm, third = (np.array([np.cos(u), np.sin(u)]) for u in (start, angle))
-        center = random.uniform(1, 3, 2)
+        center = random.uniform(1, 3, 2) * signs
         calls.append(
             Call(
                 "exchange_time",

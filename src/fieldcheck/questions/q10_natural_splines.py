@@ -85,7 +85,7 @@ def is_the_same_curve(call: Call, values: Values) -> float:
 
 def radial_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
-    sites, few = random.permutation(line(random, 8)), line(random, 5)
+    sites, few = random.permutation(line(random, 8)), line(random, 5) - 1
     bent = 2 - 3 * few + (few == few[2])
     return calls_of(
         "radial_spline",
@@ -119,9 +119,15 @@ def is_natural_and_interpolates(call: Call, values: Values) -> float:
 
 def moments_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
-    cases = ((7, "seven sites"), (5, "five sites"), (3, "three sites"), (2, "two sites"))
+    cases = (
+        (7, 0, "seven sites"),
+        (5, 1, "five sites"),
+        (3, 1, "three sites"),
+        (2, 0, "two sites"),
+    )
     return tuple(
-        Call("moments", (line(random, n), random.normal(size=n)), case) for n, case in cases
+        Call("moments", (line(random, n) - shift, random.normal(size=n)), case)
+        for n, shift, case in cases
     )
 
 

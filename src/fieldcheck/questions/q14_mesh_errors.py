@@ -164,10 +164,15 @@ def edge_surfaces(seed: int) -> dict[str, Surface]:
         "a sphere with some inverted triangles": shuffled(random, flipped(random, ball(2, 5))),
         "a sphere of 114 vertices": shuffled(random, ball(8, 14), 90),
         "a torus of 128 vertices": shuffled(random, ring(8, 16), 70),
+        "a sphere with a triangle listed twice": shuffled(random, repeated(ball(), 4)),
+        "a torus with a triangle listed twice": shuffled(random, repeated(ring(3, 4), 5)),
     }
 
 
-TIMES = ((0, 108), (14, 58), (22, 6, 3, 0, 5), (0, 60), (0, 672), (0, 768))
+TIMES = (
+    *((0, 108), (14, 58), (22, 6, 3, 0, 5), (0, 60), (0, 672), (0, 768)),
+    *((0, 102, 9), (0, 66, 9)),
+)
 """The number of sides of these surfaces that belong to an edge of one, two, … triangles."""
 
 
