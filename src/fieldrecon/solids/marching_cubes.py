@@ -243,8 +243,8 @@ def _on_edges(
 def _next_share(x: np.ndarray, f: np.ndarray) -> np.ndarray:
     """The next point (n,) on the way from x_0 (0) to x_1 (1), of points x and values f (3, n).
 
-    It is that of inverse quadratic interpolation, or the middle where the inverse function would
-    not be monotone.
+    It comes from inverse quadratic interpolation; where the interpolated inverse function is not
+    monotone, it is the middle.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         xi, phi = (x[0] - x[1]) / (x[2] - x[1]), (f[0] - f[1]) / (f[2] - f[1])
