@@ -1,5 +1,6 @@
 """Settings of the tests, and the header of a test run."""
 
+import gc
 import signal
 
 from hypothesis import HealthCheck, settings
@@ -15,6 +16,11 @@ settings.register_profile(
     "fieldrecon", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("fieldrecon")
+
+
+def pytest_collection_finish():
+    """Spare the garbage collector the modules and items, which stay: saves a tenth of the time."""
+    gc.freeze()
 
 
 def pytest_report_header():

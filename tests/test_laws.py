@@ -37,6 +37,7 @@ IN_EVERY_DIMENSION = (
     "Voronoi cell",
 )
 MORE_WEIGHTS = ("MLS ε = 1", "MLS inverse multiquadric", "MLS gaussian,", "MLS wendland within")
+MORE_PATCHES = tuple(f"PU {name}" for name in ("r⁵", "r⁴ log r", "inverse", "gaussian", "Wendland"))
 
 
 def is_long(case: Case) -> bool:
@@ -45,7 +46,8 @@ def is_long(case: Case) -> bool:
         return "degree 1 in 2-D" not in case.name
     with_others = case.d != 2 and not case.name.startswith(IN_EVERY_DIMENSION)
     large = case.d == 3 and case.name.startswith(("MLS", "PU")) and "degree 1" not in case.name
-    return case.d > 3 or with_others or large
+    cubics = case.name.startswith("PU") and "degree 3" in case.name
+    return case.d > 3 or with_others or large or cubics or case.name.startswith(MORE_PATCHES)
 
 
 METHODS = [

@@ -17,7 +17,8 @@ from fieldreport import experiments
 from fieldreport.framework import result_files as files
 from fieldreport.framework.orders_of_magnitude import OrderOfMagnitude, order_of_magnitude
 
-LONG = {"surface_reconstruction", "fluid_animation", "mesh_errors", "high_dimensions"}
+LONG = {"surface_reconstruction", "fluid_animation", "mesh_errors", "high_dimensions", "terrain"}
+LONG |= {"partition_of_unity", "cpd_kernels", "rotational_velocity"}
 NAMES = experiments.names()
 CASES = [pytest.param(name, marks=pytest.mark.slow if name in LONG else ()) for name in NAMES]
 

@@ -145,6 +145,7 @@ def test_a_figure_does_not_depend_on_user_settings(kind):
         assert save_figure(draw_figure(), kind) == bytes_
 
 
+@pytest.mark.slow
 def test_letters_of_a_figure_are_paths_or_text():
     """Text for a page that has the fonts; it can be selected there."""
     page = draw_figure()

@@ -33,6 +33,7 @@ def built(tmp_path_factory):
         yield report, page, (report.out / ".state" / "report.typ").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_page_contains_the_data_and_one_script(built):
     """The data are those of the library, and the script contains the shared files once."""
     _, page, _ = built
@@ -46,6 +47,7 @@ def test_the_page_contains_the_data_and_one_script(built):
     assert 'widget("terrain"' not in page
 
 
+@pytest.mark.slow
 def test_the_figure_stays_on_the_page_and_the_instruction_is_not_printed(built):
     """Without a script the page shows the picture; the PDF has the picture only."""
     _, page, typst = built
@@ -55,6 +57,7 @@ def test_the_figure_stays_on_the_page_and_the_instruction_is_not_printed(built):
     assert "Drag the corners" not in typst
 
 
+@pytest.mark.slow
 def test_the_manifest_contains_the_data(built):
     report, _, _ = built
     manifest = json.loads((report.out / "manifest.json").read_text())

@@ -65,6 +65,7 @@ def whole(tmp_path_factory):
         yield report
 
 
+@pytest.mark.slow
 def test_the_manifest_records_inputs_and_outputs(whole):
     """It contains versions, pins, parameters, seeds, and the SHA-256 of every output."""
     reported = json.loads((whole.out / "manifest.json").read_text())
@@ -77,6 +78,7 @@ def test_the_manifest_records_inputs_and_outputs(whole):
     assert set(reported["versions"]) >= {"python", "numpy", "scipy", "typst", "pypandoc_binary"}
 
 
+@pytest.mark.slow
 def test_a_second_build_does_nothing(whole):
     """It runs, draws and writes nothing."""
     times = {path: path.stat().st_mtime_ns for path in whole.out.rglob("*.*") if path.is_file()}
@@ -124,6 +126,7 @@ class TestOutdatedSteps:
         assert built.build() == 0
         assert built.did() == []
 
+    @pytest.mark.slow
     def test_a_changed_constant_used_by_run_repeats_the_run(self, built):
         built.write_experiment("fake_a", "SCALE = 1.0", "SCALE = 2.0")
         assert built.build() == 0

@@ -241,6 +241,7 @@ def words(markup):
     return re.sub(r"\s+", " ", html.unescape(re.sub(r"<[^>]+>", "", markup)))
 
 
+@pytest.mark.slow
 def test_references_have_the_same_numbers_in_html_and_pdf(page, typ):
     """All kinds of references are tested."""
     in_page = re.findall(r'<a\s+href="#([\w:]+)"\s+class="xref">(.*?)</a>', page, re.S)
@@ -491,6 +492,7 @@ def test_a_part_with_more_pages_than_its_heading_allows_stops_the_build(text):
             assert typeset(source, text.document.out).startswith(b"%PDF")
 
 
+@pytest.mark.slow
 def test_a_page_above_its_limit_names_its_longest_figures(text, monkeypatch):
     monkeypatch.setattr("fieldreport.build.typesetting.PAGE_LIMIT", 1000)
     with pytest.raises(BuildError, match=r"bytes, more than 1,000; draw fewer .*bumps"):

@@ -75,6 +75,7 @@ def test_a_lost_point_has_a_line_or_a_cause(record, question, finding, sentence,
     assert found.cause == cause
 
 
+@pytest.mark.slow
 def test_errors_of_cells_and_missing_modules_are_in_the_results(record):
     """They are read back from the file as they were written."""
     assert record.cell_errors == ERRORS

@@ -136,6 +136,7 @@ def test_a_failed_run_reports_its_error():
     assert reported.startswith("fieldrecon MLS, degree 2 on smooth, 2 sites: ValueError: neighbors")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["fieldrecon RBF, 1000 means", "fieldrecon patches, 4000 means"])
 def test_smoothing_chosen_by_leave_one_out_reduces_the_noise(method):
     """The noise has a standard deviation of 0.01."""

@@ -546,6 +546,7 @@ contents = (
 )
 
 
+@pytest.mark.slow
 @given(st.dictionaries(st.tuples(names, kinds).map("".join), contents, min_size=1, max_size=5))
 def test_arbitrary_files_do_not_affect_other_submissions(tmp_path_factory, files):
     """Whatever files a bulk download contains, an honest student's work is graded."""

@@ -97,6 +97,7 @@ LARGE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("more", LARGE.values(), ids=LARGE)
 def test_large_outputs_do_not_make_a_notebook_unreadable(more):
     """They are not graded, and are left out before the size is judged."""

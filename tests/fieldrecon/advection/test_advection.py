@@ -206,6 +206,7 @@ def test_vectors_matrices_and_complex_numbers_are_advected_by_components():
 # --- orders ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_the_error_has_the_order_of_the_scheme_in_the_step(scheme):
     """Smooth data, which the sites resolve, are rotated by one radian."""

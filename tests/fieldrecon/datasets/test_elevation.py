@@ -78,6 +78,7 @@ def test_points_and_heights_are_in_the_same_order(land):
     assert land.height.ravel()[k] == land.height[17, 5]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("spacing", "apart"), [(10, 0), (25, 150.0), (50, 0)])
 def test_isolines_lie_on_their_levels(land, spacing, apart):
     """Bilinear interpolation, which is linear along the grid edges, reproduces the level."""

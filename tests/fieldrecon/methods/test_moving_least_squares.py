@@ -247,7 +247,10 @@ def smooth(p: np.ndarray) -> np.ndarray:
     return np.cos(y @ [3.0, 2.0])
 
 
-@pytest.mark.parametrize("degree", [0, 1, 2])
+LONG = [pytest.param(degree, marks=pytest.mark.slow) for degree in (0, 2)]
+
+
+@pytest.mark.parametrize("degree", [1, *LONG])
 @pytest.mark.parametrize("epsilon", EPSILONS)
 @pytest.mark.parametrize("shape", SHAPES)
 def test_values_gradients_and_psi_are_accurate(shape, epsilon, degree):
@@ -306,6 +309,7 @@ def test_collinear_sites_of_large_weight_do_not_affect_the_normal_slope(seed):
     assert_close(gradient[1:], np.eye(2), 1e-14)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degree", [0, 1, 2])
 @pytest.mark.parametrize("epsilon", [1e-12, 1e-8, 1e-4, 1e-2, 0.1])
 def test_coincident_sites_with_different_data_are_accurate(epsilon, degree):

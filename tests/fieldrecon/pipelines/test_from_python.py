@@ -102,6 +102,7 @@ def test_degrees_are_known_by_their_units():
     assert plane(SET, lonlat=True).samples.lonlat
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["smooth", "pu2"])
 @pytest.mark.parametrize("lonlat", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_uncertain_samples_count_less(method, lonlat):
@@ -214,6 +215,7 @@ def test_several_values_are_those_of_single_runs_of_their_method():
     assert any("One method was chosen for all values" in w for w in both.warnings)
 
 
+@pytest.mark.slow
 def test_the_method_of_several_values_does_not_depend_on_their_units():
     """Although one value in metres would outweigh another in kilometres."""
     scaled = VECTORS.assign(**{BOTH[0]: 1e9 * VECTORS[BOTH[0]]})

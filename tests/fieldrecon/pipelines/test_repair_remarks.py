@@ -48,6 +48,7 @@ def test_the_suggested_tolerance_merges_a_noisy_soup():
     assert audit(mesh, repair=True, tolerance=tolerance).sound()
 
 
+@pytest.mark.slow
 def test_crossing_copies_are_named_on_the_page(tmp_path):
     points, triangles = map(np.asarray, sphere(1))
     both = np.vstack([points, points + 0.3]), np.vstack([triangles, triangles + len(points)])

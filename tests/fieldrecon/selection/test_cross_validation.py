@@ -149,6 +149,7 @@ def test_there_are_gaps_only_where_queries_are_farther_than_samples_are_apart():
         assert CrossValidator.of(sites, sites[:, 0], x).has_gaps is gaps
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("gap", "error", "size"), [(1, 1.0, 240), (1, 0.0, 60), (0, 1.0, 60)])
 def test_in_gaps_patches_are_wide_unless_the_held_out_samples_speak_against_it(gap, error, size):
     """They stay as they are if their error is clearly smaller, and where there are no gaps."""
@@ -175,7 +176,7 @@ def test_only_smoothed_patches_become_wide():
     assert with_wide_patches(wide) is None
 
 
-@pytest.mark.parametrize("d", [2, 3])
+@pytest.mark.parametrize("d", [2, pytest.param(3, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", MODELS)
 def test_every_model_reproduces_affine_fields(name, d):
     """The field is reproduced inside and outside the convex hull."""

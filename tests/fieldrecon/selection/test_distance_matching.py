@@ -131,6 +131,7 @@ def test_larger_neighbourhoods_are_not_crowded_out(monkeypatch):
     assert differences(points, queries)[1] > 0.2
 
 
+@pytest.mark.slow
 def test_a_few_large_neighbourhoods_do_not_displace_the_others(monkeypatch):
     """Only one of them has room in a fold: fewer are held out, instead of few samples in all."""
     points = np.column_stack([np.linspace(0, 1, 2000), np.zeros(2000)])

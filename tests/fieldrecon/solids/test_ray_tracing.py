@@ -72,6 +72,7 @@ def test_zeros_are_found_in_few_evaluations():
     assert sum(calls) < 6.0 / 0.5 + 1 + 16
 
 
+@pytest.mark.slow
 def test_a_shell_thinner_than_the_step_is_missed():
     """The step is the size of the smallest feature that is found."""
     shell = Ball(1.0) - Ball(0.999)

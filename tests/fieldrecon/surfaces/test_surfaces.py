@@ -109,6 +109,7 @@ def test_the_spacing_is_the_square_root_of_the_area_per_point():
 # --- the implicit surface -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["rbf", "partition", "hermite"])
 def test_the_implicit_surface_interpolates_and_is_positive_inside(method):
     """Near the surface F is about the signed distance, and its gradient points inward."""
@@ -167,6 +168,7 @@ def test_the_surface_does_not_depend_on_origin_axes_and_unit():
     assert_close(far(x + 1e7), body(x), 1e-5)
 
 
+@pytest.mark.slow
 def test_noise_is_estimated_and_smoothed():
     """For noise of a fifth of the spacing, smoothing halves the error."""
     points, normals = cloud(Ball(1.0), 1500)
@@ -219,6 +221,7 @@ def test_few_exact_points_of_a_sphere_give_the_sphere():
     assert body.smoothing == 10 * np.sqrt(body.noise * body.spacing) > 0.5
 
 
+@pytest.mark.slow
 def test_smoothing_halves_waves_of_the_smoothing_length():
     """On a wavy plane nearly all of twice that wavelength is kept and little of half of it."""
     i = np.arange(-12, 13) / 12.0
@@ -238,6 +241,7 @@ def test_smoothing_halves_waves_of_the_smoothing_length():
     assert remaining[2] > 0.9
 
 
+@pytest.mark.slow
 def test_repeated_points_and_outliers_are_skipped_and_reported():
     """They do not change the surface; the warnings give their numbers."""
     points, _ = cloud(TORUS, 600)
@@ -249,6 +253,7 @@ def test_repeated_points_and_outliers_are_skipped_and_reported():
     assert_close(body(TORUS.box), implicit_surface(points)(TORUS.box), 1e-9)
 
 
+@pytest.mark.slow
 def test_points_at_edges_without_normals_are_reported():
     """The surface of a box stays within one spacing of it and rounds its edges."""
     solid = Box([1.0, 1.0, 0.4])
@@ -352,6 +357,7 @@ BODIES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BODIES)
 def test_meshes_are_clean_and_lie_on_the_zero_level(name):
     """The audit finds no errors, volumes are positive, and |F| < 2e-6 spacings at the vertices."""

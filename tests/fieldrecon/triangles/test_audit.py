@@ -209,13 +209,13 @@ def test_several_errors_are_counted_separately():
     "change",
     [
         lambda p: np.add(p, [1e7, -1e7, 1e7]),
-        lambda p: p @ ROTATION.T,
         lambda p: np.add(p @ ROTATION.T * 1e150, [3e150, 0, 0]),
-        lambda p: p * 0.8e308,
-        lambda p: p * 2.0**-400,
+        pytest.param(lambda p: p @ ROTATION.T, marks=pytest.mark.slow),
+        pytest.param(lambda p: p * 0.8e308, marks=pytest.mark.slow),
+        pytest.param(lambda p: p * 2.0**-400, marks=pytest.mark.slow),
         lambda p: (p @ ROTATION.T).astype(np.float32),
     ],
-    ids=["shifted", "turned", "huge", "largest", "tiny", "single precision"],
+    ids=["shifted", "turned and huge", "turned", "largest", "tiny", "single precision"],
 )
 def test_findings_do_not_depend_on_origin_axes_unit_and_precision(error, change):
     points, triangles = PLANTED[error].surface
@@ -348,6 +348,7 @@ def slow_contacts(points, triangles):
     return contacts(points, triangles, pairs)
 
 
+@pytest.mark.slow
 def test_separating_planes_keep_every_intersecting_pair():
     """All pairs and the pairs without a separating plane have the same findings."""
     rng = np.random.default_rng(5)

@@ -84,6 +84,7 @@ def test_fins_are_removed_and_walls_are_not():
     assert "removed_fins" not in book.done
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unit", [2.0**-500, 2.0**1023])
 @pytest.mark.parametrize("error", DONE)
 def test_repair_does_not_depend_on_the_unit(error, unit):
@@ -95,6 +96,7 @@ def test_repair_does_not_depend_on_the_unit(error, unit):
     np.testing.assert_array_equal(there.triangles, here.triangles)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("error", DONE)
 def test_repair_is_idempotent(error):
     once = repair_mesh(*PLANTED[error].surface)
@@ -128,6 +130,7 @@ def test_correct_meshes_are_not_changed(surface):
     np.testing.assert_array_equal(repaired.triangles, triangles)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("error", DONE)
 def test_triangles_away_from_the_error_are_kept_in_order(error):
     """Triangles without a common vertex with the error are not changed."""
@@ -383,6 +386,7 @@ def test_all_vertices_inside_an_edge_are_merged():
     assert repaired.after.found == {"boundary_loops": 1}
 
 
+@pytest.mark.slow
 def test_patches_have_minimal_area():
     """No triangulation of these loops of six points has a smaller area."""
     rng = np.random.default_rng(4)

@@ -206,6 +206,7 @@ def test_errors_on_the_surface_are_larger_than_inside(found):
     assert 3 < found.facts["suction_missed_percent"] < 15
 
 
+@pytest.mark.slow
 def test_the_drift_of_computed_streamlines_falls_with_refinement(found):
     """The drift is the change of ψ along a streamline."""
     drift = np.array(found.tables["plane"].column("drift"))
@@ -213,6 +214,7 @@ def test_the_drift_of_computed_streamlines_falls_with_refinement(found):
     assert drift[-1] < 5e-3
 
 
+@pytest.mark.slow
 def test_the_drawn_velocities_agree_with_the_flow(found):
     """Away from the cylinder the error is below 0.02; normal velocities alone differ much more."""
     arrays = found.arrays

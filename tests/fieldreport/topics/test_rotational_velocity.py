@@ -158,6 +158,7 @@ def test_enough_rings_give_second_order(refined):
         assert 1.7 < refined.facts[f"order_{name}"] < 2.5
 
 
+@pytest.mark.slow
 def test_one_ring_does_not_converge(refined):
     """At vertices that one ring does not determine, the error stays of order one."""
     table = refined.tables["convergence"]
@@ -168,6 +169,7 @@ def test_one_ring_does_not_converge(refined):
     assert refined.facts["undetermined_2d"] > 0.05
 
 
+@pytest.mark.slow
 def test_weights_reduce_the_error_where_two_rings_are_needed(refined):
     """They reduce the influence of the far edges of the second ring."""
     assert refined.facts["gain_2"] > 1.5

@@ -241,6 +241,7 @@ def test_the_facts_agree_with_the_elevation_file(quick):
     assert abs(Params().every * terrain().height.max() - quick.facts["published_summit"]) <= 2
 
 
+@pytest.mark.slow
 def test_the_ranking_of_methods_holds_on_a_coarser_model(quick):
     """The thin plate has a smaller error than MLS, guarded MLS than plain, and all than LS."""
     inside = {name: quick.facts[f"{name}_inside"] for name in ("ls", "mls_1", "mls_2")}
