@@ -285,7 +285,7 @@ def results_do_not_depend_on_the_chunks(case: Case) -> None:
         return [s(x), m.adjoint(x, f), s.gradient(x), *map(dense, matrices)]
 
     together = everything()
-    one_core = mock.patch.object(_chunks, "available_cores", lambda: 1)
+    one_core = mock.patch.object(_chunks, "available_cores", return_value=1)
     with mock.patch.object(_chunks, "CHUNK_BYTES", 1), one_core:
         separately = everything()
     for a, b in zip(together, separately, strict=True):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fieldrecon._core.atomic_files import check_writable
 from fieldrecon._core.extras import require
 from fieldrecon.cli.console import (
     print_files,
@@ -62,7 +63,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def audit(options: argparse.Namespace) -> int:
     """Print the errors of a mesh, and write them and the repaired mesh; return 1 if any remain."""
+    check_writable(options.out / "audit.json")
     if options.repair:
+        check_writable(options.repair)
         require(*packages_to_write(options.repair))
     with stages() as stage:
         result = audit_of(

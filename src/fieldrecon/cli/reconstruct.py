@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fieldrecon._core.atomic_files import write_atomically
+from fieldrecon._core.atomic_files import check_writable, write_atomically
 from fieldrecon._core.extras import PICTURES, absent
 from fieldrecon.cli.console import (
     as_parameters,
@@ -167,9 +167,10 @@ def _outputs(options: argparse.Namespace) -> tuple[Path | None, list[str]]:
         raise ValueError(f"--out {file} names another format than --format {options.format}")
     inputs = (options.samples, options.load, options.at, options.mesh)
     read = {path.resolve() for path in inputs if path}
-    for path in filter(None, (file, options.save)):
+    for path in filter(None, (file or options.out / "summary.html", options.save)):
         if path.resolve() in read:
             raise ValueError(f"{path} is read, and would be overwritten; choose another name")
+        check_writable(path)
     return file, formats
 
 

@@ -9,7 +9,7 @@ from time import perf_counter
 
 import numpy as np
 
-from fieldrecon._core.atomic_files import write_atomically
+from fieldrecon._core.atomic_files import check_writable, write_atomically
 from fieldrecon._core.chunks import Stages
 from fieldrecon._core.extras import PICTURES, absent, require
 from fieldrecon._core.memory import memory_used, peak_memory
@@ -88,6 +88,7 @@ def surface(options: argparse.Namespace) -> int:
         raise ValueError(f"--out {options.out} must end with {', '.join(FORMATS)}")
     if options.out.resolve() == options.cloud.resolve():
         raise ValueError(f"{options.out} is read, and would be overwritten; choose another name")
+    check_writable(options.out)
     require("skimage", *packages_to_write(options.out))
     began = perf_counter()
     with stages() as stage:

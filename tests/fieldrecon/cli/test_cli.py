@@ -480,7 +480,6 @@ def test_many_samples_are_cross_validated_in_windows(tmp_path, capsys):
         ),
         (["reconstruct", "SURVEY", "--method", "kriging"], "there is no method 'kriging'; there"),
         (["reconstruct", "SURVEY", "--value", "d"], "has no column 'd'; it has easting"),
-        (["reconstruct", "SURVEY", "--out", "SURVEY/x"], "not a directory"),
         (["reconstruct", "SURVEY", "--out", "a.tif"], "there is no format 'tif'; there are csv,"),
         (["reconstruct", "SURVEY", "--format", "tif"], "there is no format 'tif'; there are csv,"),
         (["reconstruct", "SURVEY", "--out", "a.nc", "--format", "csv"], "names another format"),
@@ -501,6 +500,23 @@ def test_user_errors_are_one_line_with_status_2(capsys, survey, arguments, words
     assert message.startswith("fieldrecon: ")
     assert words in message
     assert message.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        "reconstruct nowhere.csv --out {file}/x",
+        "reconstruct nowhere.csv --out {file}/x.nc",
+        "reconstruct nowhere.csv --save {file}/x.npz",
+        "surface nowhere.ply --out {file}/x.ply",
+        "audit nowhere.ply --out {file}/x",
+        "audit nowhere.ply --repair {file}/x.ply",
+    ],
+)
+def test_an_output_below_a_file_is_refused_before_the_work(capsys, survey, arguments):
+    """The input, which does not exist, is not read."""
+    assert main(arguments.format(file=survey).split()) == 2
+    assert capsys.readouterr().err.endswith(": not a directory\n")
 
 
 @pytest.mark.parametrize(
