@@ -45,6 +45,7 @@ _OPTIONS = (
     "mesh",
     "load",
     "crs",
+    "anisotropy",
 )
 """The options that the function has as arguments."""
 _STEMS = {"nodes": "grid", "points": "points", "vertices": "mesh"}
@@ -105,6 +106,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help=f"{', '.join(MODELS)}, or best (the default): the method with the smallest error "
         "at samples that are held out",
+    )
+    add(
+        "--anisotropy",
+        metavar="RATIO:ANGLE",
+        help="the values vary more slowly along a direction: the ratio of the ranges along and "
+        "across, and the angle in degrees from x towards y, such as 3:45; or auto: the one of "
+        "least error at the held-out samples, if it is clearly less",
     )
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--grid", type=_counts, metavar="NXxNY[xNZ]", help="nodes over the samples")

@@ -77,6 +77,8 @@ class SurveyResult:
         Time from the first row to the last value.
     memory : int, optional
         Peak memory of the program in bytes, where the system reports it.
+    anisotropy : str
+        The anisotropy in a sentence, if one was given or searched for.
     """
 
     source: str
@@ -88,6 +90,7 @@ class SurveyResult:
     result: TargetValues
     seconds: float
     memory: int | None
+    anisotropy: str = ""
 
     def __repr__(self) -> str:
         name, count = self.title, len(self.samples.points)
@@ -271,6 +274,7 @@ class SurveyResult:
         return [
             *self.samples.warnings,
             *self._noise_warnings(),
+            *filter(None, [self.anisotropy]),
             *self._score_warnings(),
             *self._target_warnings(),
             *self._error_warnings(),

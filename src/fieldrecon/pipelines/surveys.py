@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from fieldrecon.pipelines.samples import Samples, read_samples, refuse_flat
 from fieldrecon.pipelines.survey_results import SurveyResult, on_globe, values_with_error
 from fieldrecon.pipelines.validation import Validation
 from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.selection.anisotropy import Anisotropy, find_anisotropy
 from fieldrecon.selection.cross_validation import NO_FIELD, CrossValidator, ModelScore, best
 from fieldrecon.selection.error_bands import ErrorBand
 from fieldrecon.selection.extrapolation import OUTSIDE, extrapolated
@@ -59,6 +60,7 @@ def reconstruct(
     mesh: str | Path | None = None,
     load: str | Path | None = None,
     crs: Any = None,
+    anisotropy: str | Anisotropy | None = None,
     stages: Stages = silent,
 ) -> SurveyResult:
     """Reconstruct a field from samples, and evaluate it at targets with an error estimate.
@@ -103,6 +105,10 @@ def reconstruct(
     crs : object, optional
         Coordinate reference system of x and y, such as ``"EPSG:32612"``, which files and data sets
         record; by default that of the data.
+    anisotropy : Anisotropy or str, optional
+        A direction of the plane along which the values vary more slowly: a ratio of ranges and an
+        angle from x towards y, such as ``"3:45"``, or ``"auto"``, for the one of least error at the
+        held-out samples if that is clearly less.
     stages : callable, optional
         Opens a stage of the work by its name, and returns its progress(done, total).
 
@@ -134,8 +140,11 @@ def reconstruct(
     began = perf_counter()
     if method not in {"best", *MODELS}:
         raise ValueError(f"there is no method {method!r}; there are best, {', '.join(MODELS)}")
+    wanted = Anisotropy.of(anisotropy) if _is_a_ratio(anisotropy) else anisotropy
     loaded = None
     if load is not None:
+        if wanted is not None:
+            raise ValueError("give either anisotropy or load: a field has its distances")
         if data is not None or value is not None:
             raise ValueError("give either samples or load, a file with a field: not both")
         source: Source = Path(load)
@@ -154,6 +163,11 @@ def reconstruct(
         )
         samples = samples if units is None else _with_units(samples, units)
         refuse_flat(samples)
+        if wanted is not None and (samples.lonlat or samples.points.shape[1] != 2):
+            raise ValueError(
+                "anisotropy is a direction of the plane; project degrees to lengths, and divide "
+                "the coordinates of points in space by scales"
+            )
     targets = _targets(samples, grid, at, mesh, strict, decimal)
     sites, queries = on_globe(samples, samples.points), on_globe(samples, targets.points)
     stages("choosing the folds")
@@ -162,18 +176,19 @@ def reconstruct(
     scale = _scale(samples)
     validator = CrossValidator.of(sites, samples.values / scale, asked, variances=variances)
     if loaded is None:
-        scores = _compare(validator, method, samples.lonlat, stages)
+        scores = _compare(validator, method, samples.lonlat, wanted, stages)
+        scores, found = _with_anisotropy(scores, validator, wanted, stages)
         chosen, (field, values) = best(
             scores, lambda t: _fit_and_evaluate(t, samples, targets, stages)
         )
     else:
-        field, scores, chosen = loaded, [], None
+        field, scores, chosen, found = loaded, [], None, ""
         values = field(targets.points, progress=stages("evaluating"))
     validations = _validate(validator, chosen, field, asked, samples, scale, stages)
     result = values_with_error(samples, validations, targets, values, stages)
     seconds, memory = perf_counter() - began, peak_memory()
     return SurveyResult(
-        source.name, samples, scores, validations, chosen, field, result, seconds, memory
+        source.name, samples, scores, validations, chosen, field, result, seconds, memory, found
     )
 
 
@@ -239,7 +254,11 @@ def _load(path: Path) -> tuple[Samples, Field]:
 
 
 def _compare(
-    validator: CrossValidator, method: str, on_globe: bool, stages: Stages
+    validator: CrossValidator,
+    method: str,
+    on_globe: bool,
+    anisotropy: str | Anisotropy | None,
+    stages: Stages,
 ) -> list[ModelScore]:
     """Compare all methods, or evaluate the requested one; in a region of the globe, in a plane."""
     requested = method in MODELS
@@ -248,7 +267,38 @@ def _compare(
         pole = mean_direction(validator.points)
         if (validator.points @ pole).min() > _REGION:
             models = [model.on_tangent_plane(pole) for model in models]
+    if isinstance(anisotropy, Anisotropy):
+        models = [anisotropy.of_model(model) for model in models]
     return validator.compare(models, requested, stages("choosing a method"))
+
+
+def _is_a_ratio(anisotropy: str | Anisotropy | None) -> TypeGuard[str]:
+    return isinstance(anisotropy, str) and anisotropy != "auto"
+
+
+def _with_anisotropy(
+    scores: list[ModelScore],
+    validator: CrossValidator,
+    anisotropy: str | Anisotropy | None,
+    stages: Stages,
+) -> tuple[list[ModelScore], str]:
+    """The scores, with that of the best method with an anisotropy if one is found; in words."""
+    if anisotropy is None:
+        return scores, ""
+    if isinstance(anisotropy, Anisotropy):
+        return scores, f"Distances have {anisotropy}, as given."
+    chosen = min(scores, key=lambda score: score.rank)
+    progress = stages("choosing an anisotropy")
+    better, found = find_anisotropy(validator, chosen, progress)
+    if found is None:
+        return scores, (
+            "No anisotropy was found: at the held-out samples none has an error that is clearly "
+            "smaller."
+        )
+    return [*scores, better], (
+        f"Distances have {found}: at the held-out samples the rms error is {better.rms:.4g} "
+        f"instead of {chosen.rms:.4g}."
+    )
 
 
 def _fit_and_evaluate(

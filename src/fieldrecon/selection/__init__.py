@@ -4,6 +4,7 @@ Cross-validation at the distances of the queries, leave-one-out errors, predicti
 points that are extrapolated.
 """
 
+from fieldrecon.selection.anisotropy import Anisotropy, find_anisotropy
 from fieldrecon.selection.cross_validation import CrossValidator, ModelScore, best
 from fieldrecon.selection.distance_matching import (
     Fold,
@@ -19,6 +20,7 @@ from fieldrecon.selection.models import MODELS, Model
 
 __all__ = [
     "MODELS",
+    "Anisotropy",
     "CrossValidator",
     "ErrorBand",
     "Fold",
@@ -27,6 +29,7 @@ __all__ = [
     "best",
     "distance_matched_folds",
     "extrapolated",
+    "find_anisotropy",
     "held_out_distances",
     "leave_one_out",
     "nearest_neighbor_distances",

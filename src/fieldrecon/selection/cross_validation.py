@@ -226,7 +226,7 @@ class CrossValidator:
         if len(self.points) > model.max_samples and not asked_for:
             reason = f"not tried on more than {model.max_samples:g} samples unasked"
             return ModelScore(model, None, None, reason)
-        score = partial(self._score, model, folds or self.folds)
+        score = partial(self.score, model, folds=folds or self.folds)
         found = [_least(path, score) for path in model.makers(self.points)]
         least = min(score.rms for score in found)
         return next(score for score in found if score.rms <= NEARLY * least)
@@ -236,7 +236,9 @@ class CrossValidator:
         total = np.cumsum([len(fold.held_out) for fold in self.folds])
         return self.folds[: int(np.searchsorted(total, ENOUGH)) + 1]
 
-    def _score(self, model: Model, folds: Sequence[Fold], maker: Maker) -> ModelScore:
+    def score(self, model: Model, maker: Maker, folds: Sequence[Fold] | None = None) -> ModelScore:
+        """Residuals of one variant of the model at the held-out samples of the folds, or of all."""
+        folds = folds or self.folds
         try:
             residuals = np.concatenate([self._residuals(maker, fold) for fold in folds])
         except NO_FIELD as error:
@@ -249,7 +251,7 @@ class CrossValidator:
 
     def _on_all_folds(self, score: ModelScore) -> ModelScore:
         assert score.maker is not None, "only models with a field are compared on all folds"
-        final = self._score(score.model, self.folds, score.maker)
+        final = self.score(score.model, score.maker)
         return final if final.maker else score
 
     def _with_suitable_patches(self, scores: list[ModelScore]) -> list[ModelScore]:
@@ -261,7 +263,7 @@ class CrossValidator:
         maker = with_wide_patches(chosen.maker) if self.has_gaps else None
         if maker is None or chosen.n_held_out < self.n_held_out:
             return scores
-        wide = self._score(chosen.model, self.folds, maker)
+        wide = self.score(chosen.model, maker)
         if wide.maker is None or not wide.is_level_with(chosen):
             return scores
         wide = replace(wide, caution=chosen.caution)

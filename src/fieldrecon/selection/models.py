@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -100,6 +100,24 @@ def with_wide_patches(maker: Maker | None) -> Maker | None:
     return partial(maker, patch_size=_WIDE_PATCH)
 
 
+def with_metric(model: Model, metric: np.ndarray, meaning: str) -> Model:
+    """The model with an anisotropic distance, if it has distances: least squares has none."""
+    if model.family == "LS":
+        return model
+    makers = partial(_with_metric, model.makers, metric)
+    return replace(model, makers=makers, meaning=f"{model.meaning}, {meaning}")
+
+
+def _with_metric(
+    makers: Callable[[np.ndarray], Sequence[Sequence[Maker]]],
+    metric: np.ndarray,
+    points: np.ndarray,
+) -> list[list[Maker]]:
+    """Variants whose smoothing is in units of the distances of the metric."""
+    paths: Sequence[Sequence[Any]] = makers(points @ np.linalg.cholesky(metric))
+    return [[partial(maker, metric=metric) for maker in path] for path in paths]
+
+
 def _projected(
     makers: Callable[[np.ndarray], Sequence[Sequence[Maker]]], pole: np.ndarray, points: np.ndarray
 ) -> list[list[Maker]]:
@@ -115,10 +133,12 @@ def _moving(degree: int, _: np.ndarray) -> list[list[Maker]]:
     return [[partial(_moving_on, degree)]]
 
 
-def _moving_on(degree: int, points: np.ndarray) -> MovingLeastSquares:
+def _moving_on(
+    degree: int, points: np.ndarray, metric: np.ndarray | None = None
+) -> MovingLeastSquares:
     n, d = points.shape
     neighbors = min(_NEIGHBORS_PER_COEFFICIENT * dimension(d, degree), n - 1)
-    return MovingLeastSquares(points, wendland(3, 1), degree, neighbors)
+    return MovingLeastSquares(points, wendland(3, 1), degree, neighbors, metric=metric)
 
 
 def _kernel(power: int) -> Radial:
