@@ -21,7 +21,7 @@ from fieldrecon.cli.console import (
 from fieldrecon.cli.progress import stages
 from fieldrecon.io.saved_fields import save
 from fieldrecon.io.values import FORMATS, as_formats
-from fieldrecon.pages.reconstruction_page import COLORS, methods_csv, pictures, summary
+from fieldrecon.pages.reconstruction_page import COLORS, as_png, methods_csv, pictures, summary
 from fieldrecon.pipelines.survey_results import SurveyResult
 from fieldrecon.pipelines.surveys import reconstruct as reconstruct_samples
 from fieldrecon.selection.models import MODELS
@@ -206,12 +206,13 @@ def _written(
 ) -> Iterator[Path]:
     """Write the data, the pictures, and the page, which links to the others; yield the files."""
     drawn = {} if absent(*PICTURES) else pictures(survey, options.colors)
+    images = as_png(drawn)
     written = [*_data_written(survey, file, formats, options)]
     if not file:
-        written += _pictures_written(drawn, options.out)
+        written += _pictures_written(drawn, images, options.out)
     page = file.with_suffix(".html") if file else options.out / "summary.html"
     links = [os.path.relpath(path, page.parent) for path in written]
-    content = summary(survey, as_parameters(options), drawn, title=options.title, files=links)
+    content = summary(survey, as_parameters(options), images, title=options.title, files=links)
     yield from written
     yield write_atomically(page, content.encode())
 
@@ -229,8 +230,11 @@ def _data_written(
         yield write_atomically(options.out / "methods.csv", methods_csv(survey))
 
 
-def _pictures_written(drawn: Mapping[str, Figure], folder: Path) -> Iterator[Path]:
+def _pictures_written(
+    drawn: Mapping[str, Figure], images: Mapping[str, bytes], folder: Path
+) -> Iterator[Path]:
     from fieldrecon.plotting.figure_files import write_figure
 
     for name, picture in drawn.items():
-        yield from write_figure(picture, folder / name, ("png", "svg"))
+        yield write_atomically(folder / f"{name}.png", images[name])
+        yield from write_figure(picture, folder / name, ("svg",))

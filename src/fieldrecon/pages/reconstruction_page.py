@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from fieldrecon._core.extras import PICTURES, absent, require
+from fieldrecon._core.extras import PICTURES, require
 from fieldrecon.io.saved_fields import description
 from fieldrecon.io.tables import csv_bytes
 from fieldrecon.pages.one_page import NOTHING, Html, fill, joined, links, page, table
@@ -91,6 +91,11 @@ def pictures(survey: SurveyResult, colors: str = COLORS) -> dict[str, Figure]:
     }
 
 
+def as_png(drawn: Mapping[str, Figure]) -> dict[str, bytes]:
+    """The pictures as PNG, by their names."""
+    return {name: figure_bytes(one, "png") for name, one in drawn.items()}
+
+
 def _is_known(survey: SurveyResult, name: str) -> bool:
     """Whether there is such a picture: those of a validation only if there is one."""
     if name == "variogram":
@@ -122,28 +127,26 @@ def picture(survey: SurveyResult, name: str, k: int = 0, colors: str = COLORS) -
 def summary(
     survey: SurveyResult,
     options: Mapping[str, Any],
-    drawn: Mapping[str, Figure] | None = None,
+    drawn: Mapping[str, bytes],
     *,
     title: str | None = None,
     files: Sequence[str] = (),
 ) -> str:
-    """Return the HTML of the page; without pictures if the packages that draw are missing.
+    """Return the HTML of the page.
 
     Parameters
     ----------
     survey : SurveyResult
     options : mapping
         The options of the command line, or other parameters.
-    drawn : mapping of str to Figure, optional
-        The pictures, if they are drawn already.
+    drawn : mapping of str to bytes
+        The pictures as PNG, by their names; none if the packages that draw are missing.
     title : str, optional
         Of the page; by default the names of the values.
     files : sequence of str
         Files beside the page to which it links.
     """
-    if drawn is None:
-        drawn = {} if absent(*PICTURES) else pictures(survey)
-    images = {_caption(survey, name): figure_bytes(one, "png") for name, one in drawn.items()}
+    images = {_caption(survey, name): image for name, image in drawn.items()}
     method = description(survey.field.method)
     parameters = {"method": method.pop("name")} | _flattened(method) | dict(options)
     samples = f"{len(survey.samples.points):,} samples of {survey.source}"

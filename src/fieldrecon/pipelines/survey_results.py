@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
@@ -20,7 +21,7 @@ from fieldrecon.io.targets import Targets, TargetValues, targets_of_table
 from fieldrecon.io.values import write_values
 from fieldrecon.methods.globe import OnGlobe, to_unit
 from fieldrecon.methods.tangent_plane import OnTangentPlane
-from fieldrecon.pages.reconstruction_page import COLORS, picture, pictures, summary
+from fieldrecon.pages.reconstruction_page import COLORS, as_png, picture, pictures, summary
 from fieldrecon.pipelines.samples import Samples
 from fieldrecon.pipelines.validation import Validation
 from fieldrecon.pipelines.variograms import FEWEST, Variogram, variogram
@@ -211,11 +212,15 @@ class SurveyResult:
 
     def variogram(self, k: int = 0) -> Variogram:
         """The variogram of the samples of the value of index k, on the globe in degrees."""
+        return self._variograms[k]
+
+    @cached_property
+    def _variograms(self) -> list[Variogram]:
         samples = self.samples
         points, unit = samples.points, " degrees" if samples.lonlat else ""
         if samples.lonlat:
             points = np.degrees(to_unit(points))  # chords, near to arcs at the distances used
-        return variogram(points, samples.columns[:, k], unit)
+        return [variogram(points, column, unit) for column in samples.columns.T]
 
     def _index(self, value: str | None) -> int:
         names = self.samples.value_names
@@ -248,7 +253,7 @@ class SurveyResult:
         pathlib.Path
         """
         drawn = {} if absent(*PICTURES) else pictures(self, colors)
-        content = summary(self, parameters or {}, drawn, title=title)
+        content = summary(self, parameters or {}, as_png(drawn), title=title)
         return write_atomically(Path(path), content.encode())
 
     @property
