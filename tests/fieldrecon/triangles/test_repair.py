@@ -326,7 +326,7 @@ def test_no_repair_adds_an_error():
 
 
 @pytest.mark.slow
-@settings(max_examples=600, deadline=None)
+@settings(max_examples=300, deadline=None)
 @given(
     st.integers(0, 2**32 - 1),
     st.integers(0, len(BODIES) - 1),
