@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import Any, TypeGuard
+from typing import Any, Literal
 
 import numpy as np
 
@@ -140,11 +140,8 @@ def reconstruct(
     began = perf_counter()
     if method not in {"best", *MODELS}:
         raise ValueError(f"there is no method {method!r}; there are best, {', '.join(MODELS)}")
-    wanted = Anisotropy.of(anisotropy) if _is_a_ratio(anisotropy) else anisotropy
     loaded = None
     if load is not None:
-        if wanted is not None:
-            raise ValueError("give either anisotropy or load: a field has its distances")
         if data is not None or value is not None:
             raise ValueError("give either samples or load, a file with a field: not both")
         source: Source = Path(load)
@@ -163,11 +160,7 @@ def reconstruct(
         )
         samples = samples if units is None else _with_units(samples, units)
         refuse_flat(samples)
-        if wanted is not None and (samples.lonlat or samples.points.shape[1] != 2):
-            raise ValueError(
-                "anisotropy is a direction of the plane; project degrees to lengths, and divide "
-                "the coordinates of points in space by scales"
-            )
+    wanted = _as_anisotropy(anisotropy, samples, loaded)
     targets = _targets(samples, grid, at, mesh, strict, decimal)
     sites, queries = on_globe(samples, samples.points), on_globe(samples, targets.points)
     stages("choosing the folds")
@@ -257,7 +250,7 @@ def _compare(
     validator: CrossValidator,
     method: str,
     on_globe: bool,
-    anisotropy: str | Anisotropy | None,
+    anisotropy: Anisotropy | Literal["auto"] | None,
     stages: Stages,
 ) -> list[ModelScore]:
     """Compare all methods, or evaluate the requested one; in a region of the globe, in a plane."""
@@ -272,14 +265,28 @@ def _compare(
     return validator.compare(models, requested, stages("choosing a method"))
 
 
-def _is_a_ratio(anisotropy: str | Anisotropy | None) -> TypeGuard[str]:
-    return isinstance(anisotropy, str) and anisotropy != "auto"
+def _as_anisotropy(
+    given: str | Anisotropy | None, samples: Samples, loaded: Field | None
+) -> Anisotropy | Literal["auto"] | None:
+    """Read the anisotropy, which samples of a plane may have."""
+    if given is None:
+        return None
+    if loaded is not None:
+        raise ValueError("give either anisotropy or load: a field has its distances")
+    if samples.lonlat or samples.points.shape[1] != 2:
+        raise ValueError(
+            "anisotropy is a direction of the plane; project degrees to lengths, and divide the "
+            "coordinates of points in space by scales"
+        )
+    if given == "auto":
+        return "auto"
+    return given if isinstance(given, Anisotropy) else Anisotropy.of(given)
 
 
 def _with_anisotropy(
     scores: list[ModelScore],
     validator: CrossValidator,
-    anisotropy: str | Anisotropy | None,
+    anisotropy: Anisotropy | Literal["auto"] | None,
     stages: Stages,
 ) -> tuple[list[ModelScore], str]:
     """The scores, with that of the best method with an anisotropy if one is found; in words."""
