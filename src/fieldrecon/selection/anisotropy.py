@@ -50,9 +50,8 @@ class Anisotropy:
     >>> stretched = Anisotropy(4.0, 90.0)
     >>> print(stretched)
     ranges 4 times as long along 90°
-    >>> stretched.metric.round(12)
-    array([[4.  , 0.  ],
-           [0.  , 0.25]])
+    >>> np.diagonal(stretched.metric).round(12)
+    array([4.  , 0.25])
     """
 
     ratio: float
