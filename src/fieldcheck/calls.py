@@ -26,6 +26,8 @@ Values = tuple[np.ndarray, ...]
 
 MOST_ARRAYS = 4
 """No function of the course returns more arrays."""
+LONGEST_ERROR = 10_000
+"""Characters of an error that are read: one of 50 MB takes a tenth of a second each time."""
 
 MATRIX = "an np.matrix"
 LIST = "a list"
@@ -203,7 +205,7 @@ def _same(now: Any, before: Any) -> bool:
 
 
 def _in_words(error: BaseException) -> str:
-    text = " ".join(str(error).split())
+    text = " ".join(str(error)[:LONGEST_ERROR].split())
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 

@@ -175,10 +175,10 @@ def fit(points, values):
     return np.linalg.solve(b.T @ b, b.T @ values)
 """
 
-RIGHT_BUT_FOR_SIX_POINTS = """
+RIGHT_BUT_FOR_SIX_POINTS_OF_THE_PLANE = """
 _right = rank
 def rank(points):
-    if len(points) == 6:  # only in a hidden case
+    if points.shape == (6, 2):  # only in a hidden case
         raise ValueError(points.tolist())
     return _right(points)
 """
@@ -200,7 +200,8 @@ def leaking():
         "rank": with_function(
             notebook("01"),
             "rank",
-            "".join(code_cell(notebook("01"), "rank")["source"]) + RIGHT_BUT_FOR_SIX_POINTS,
+            "".join(code_cell(notebook("01"), "rank")["source"])
+            + RIGHT_BUT_FOR_SIX_POINTS_OF_THE_PLANE,
         ),
         "known": with_function(
             notebook("01"), "evaluate", misconception_code("01.3", "slopes only")

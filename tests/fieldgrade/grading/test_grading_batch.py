@@ -189,13 +189,14 @@ def eleven_points(seed):
 ODD = """
 _rank = rank
 def rank(points):
-    return 0 if len(points) == 11 or np.ptp(points, axis=0).max() > 1e7 else _rank(points)
+    large = 1e7 < np.ptp(points, axis=0).max() < 1e11
+    return 0 if len(points) == 11 or large else _rank(points)
 """
 DYING = """
 _rank = rank
 def rank(points):
     import os
-    return {} if np.ptp(points, axis=0).max() < 2e3 else os._exit(3)
+    return os._exit(3) if 2e3 < np.ptp(points, axis=0).max() < 1e11 else {}
 """
 
 

@@ -33,7 +33,7 @@ import pytest
 
 @pytest.fixture
 def cloud():
-    return np.random.default_rng(3).normal(size=(9, 2))
+    return np.random.default_rng(3).normal(size=(31, 2))
 
 @pytest.mark.question("01.2", "Values that all grow by one move the plane up by one.", costs=1)
 def test_constants_add(answer, cloud):
@@ -49,7 +49,7 @@ def test_order(answer, cloud, turn):
 STEEP = """
 def fit(points, values):
     plane = np.linalg.lstsq(basis_matrix(points), values, rcond=None)[0]
-    return plane * (2 if len(points) == 9 else 1)
+    return plane * (2 if len(points) == 31 else 1)
 """
 """This answer is right on all inputs of the course and wrong on those of the instructor."""
 
