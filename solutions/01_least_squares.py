@@ -271,8 +271,8 @@ def plane_and_points(n):
 # on the distance of the points from the origin nor on the unit of length.
 #
 # Rounding errors turn zero singular values into small ones. Count a singular value as zero if it is
-# smaller than $10^{-9}$ times the extent of the points. The extent is the largest difference
-# between two values of one coordinate.
+# at most $10^{-9}$ times the extent of the points. The extent is the largest difference between two
+# values of one coordinate.
 #
 # <details><summary>Hint 1</summary>
 #

@@ -222,8 +222,10 @@ check("04.1")
 # Write a function that returns the rank of $\mathbf{B}'$. It must depend neither on the position of
 # the origin nor on the unit of length. All normals are unit vectors.
 #
-# Rounding turns zero singular values into small ones. Scale the points to size one, and count
-# singular values below $10^{-9}$ as zero.
+# Rounding turns zero singular values into small ones. Scale the points to size one, with the same
+# factor for all coordinates, and count singular values of $\mathbf{B}'$ below $10^{-9}$ as zero.
+# The number of samples is arbitrary. The points may be on a line, and several samples may share a
+# point, but not all points are equal.
 #
 # <details><summary>Hint</summary>
 #
@@ -314,8 +316,8 @@ check("04.3")
 # ### 04.4 Normals for a given flow
 #
 # Conversely, every affine flow is tangent to suitable samples at any points. For a given flow,
-# return one unit normal of either sign at each point, such that the normal velocity is zero. Use
-# `velocity(c, points)`.
+# return one unit normal of either sign at each point, such that the normal velocity is zero. The
+# flow may be slow, but it is not zero at any of the points. Use `velocity(c, points)`.
 
 
 # %% question="04.4" minutes=5
@@ -496,7 +498,8 @@ def obvious_or_not():
 #
 # Write a function that returns the midpoints and the unit normals. First come the spokes, in the
 # order of the neighbours. Then come the outer edges, from each neighbour to the next, and from the
-# last to the first. Each normal may have either sign.
+# last to the first. Each normal may have either sign. The star may have any size, and edges may be
+# parallel to an axis.
 
 
 # %% question="04.6" minutes=15
@@ -529,7 +532,9 @@ check("04.6")
 #
 # As in 04.2 the rank must depend neither on the origin nor on the unit of length. Scale the
 # vertices to size one before you form the squares, and count singular values below $10^{-9}$ as
-# zero.
+# zero. The number of vertices is arbitrary. They may be on a line, but never on one parallel to an
+# axis. So you may divide both coordinates by the same number, or each coordinate or column by its
+# own.
 
 
 # %% question="04.7" minutes=15

@@ -175,7 +175,7 @@ print(side_lengths(np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]])))
 # ### 06.1 The outward normals
 #
 # Write a function that returns $\mathbf{N}$ of (6.1). The corners may be listed clockwise or
-# anticlockwise.
+# anticlockwise. The triangle may have any size.
 #
 # <details><summary>Hint</summary>
 #
@@ -209,7 +209,8 @@ check("06.1")
 # %% [markdown]
 # ### 06.2 The velocity of a cell
 #
-# Write a function that returns the least-squares solution (6.2).
+# Write a function that returns the least-squares solution (6.2). The triangle may have any size,
+# and may be flat.
 #
 # <details><summary>Hint</summary>
 #
@@ -349,7 +350,7 @@ check("06.3")
 # ### 06.4 The circumcentre
 #
 # Write a function that returns $\mathbf{O}$. It must keep its accuracy for a triangle far from the
-# origin.
+# origin, and for a triangle of any size.
 #
 # <details><summary>Hint</summary>
 #
@@ -388,7 +389,8 @@ check("06.4")
 #
 # ### 06.5 The exact velocity
 #
-# Write the field (6.6) for many points at once. The number $s$ may be negative.
+# Write the field (6.6) for many points at once. The number $s$ may be any number, also a negative
+# one.
 
 
 # %% question="06.5" minutes=10
@@ -698,7 +700,8 @@ def matching_point(s, apex, height):
 #
 # ### 06.8 The Raviart–Thomas field
 #
-# Write a function that returns $\mathbf{w}$ at one point.
+# Write a function that returns $\mathbf{w}$ at one point, inside the triangle or outside. The
+# triangle may have any size, and may be far from the origin.
 #
 # <details><summary>Hint</summary>
 #

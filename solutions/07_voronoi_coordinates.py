@@ -149,9 +149,10 @@ check("07.1")
 # ### 07.2 The circumcentre of a triangle
 #
 # Write a function that returns the circumcentre of a triangle. It must keep its accuracy for
-# triangles far from the origin. The equations (7.2) look quadratic, but squared and expanded around
-# one corner they are two linear equations, because the square of the unknown cancels. If you have
-# written 06.4, you may adapt your function: it is the same point, from three corners.
+# triangles far from the origin and of any size. The equations (7.2) look quadratic, but squared and
+# expanded around one corner they are two linear equations, because the square of the unknown
+# cancels. If you have written 06.4, you may adapt your function: it is the same point, from three
+# corners.
 #
 # <details><summary>Hint</summary>
 #
@@ -308,7 +309,7 @@ print(triangle_coordinates(np.array([[0, 0], [4, 0], [0, 4]]), np.array([[1, 1],
 # ### 07.3 The area of a triangle
 #
 # Write a function that returns $A$ of (7.4). An area must be positive for both orders of the
-# corners.
+# corners. The triangle may have any size.
 
 
 # %% question="07.3" minutes=10
@@ -328,7 +329,7 @@ check("07.3")
 # Write a function that returns the weights (7.5) of all corners for one point $\mathbf{x}$. The
 # corners are an argument. The number $N$ of neighbours may be any number from 3 on, and the
 # neighbours may be listed clockwise or anticlockwise. The point may lie outside the cell; some
-# weights are negative there.
+# weights are negative there. The cell may have any size.
 #
 # <details><summary>Hint</summary>
 #
@@ -365,7 +366,7 @@ check("07.4")
 # Write a function that returns the coordinates (7.6) of many points. They must sum to 1 for every
 # point, and $\sum_a \omega_a(\mathbf{x})\, \mathbf{p}_a = \mathbf{x}$ must hold. The first
 # requirement is called *partition of unity* and the second one *linear precision*. The check tests
-# both.
+# both, for cells of any size, and for points inside and outside.
 
 
 # %% question="07.5" minutes=10
@@ -441,7 +442,7 @@ def one_coordinate(a):
 #
 # ### 07.6 The points of the spiral
 #
-# Write a function that returns the $S$ points of (7.7).
+# Write a function that returns the $S$ points of (7.7), for any $S \ge 1$.
 
 
 # %% question="07.6" minutes=20
@@ -470,7 +471,8 @@ check("07.6")
 #
 # $$ f(\mathbf{x}) = \sum_a \omega_a(\mathbf{x})\, \phi_a . \tag{7.8} $$
 #
-# Write a function that evaluates it at many points.
+# Write a function that evaluates it at many points, inside the cell and outside, for any number $N$
+# of corners.
 
 
 # %% question="07.7" minutes=10
@@ -582,8 +584,9 @@ def under_the_pointer(x):
 #
 # ### 07.8 Coordinates without division
 #
-# Write a function that returns the coordinates (7.10) of many points. The circumcentres are not
-# arguments, since (7.10) does not need them.
+# Write a function that returns the coordinates (7.10) of many points. They must be accurate inside
+# the cell, on its edges, in its corners and outside, and for cells of any size, such as $10^{-9}$.
+# The circumcentres are not arguments, since (7.10) does not need them.
 #
 # <details><summary>Hint</summary>
 #

@@ -660,33 +660,36 @@ check("14.7")
 #
 # $$ [\mathbf{a}, \mathbf{b}, \mathbf{c}, \mathbf{x}] = \operatorname{sign} \Big( \big(
 #    (\mathbf{b} - \mathbf{a}) \times (\mathbf{c} - \mathbf{a}) \big)^T
-#    (\mathbf{x} - \mathbf{a}) \Big), \tag{14.4} $$
+#     (\mathbf{x} - \mathbf{a}) \Big) . \tag{14.4} $$
 #
-# the sign of a number: it says on which side of the plane of three points the fourth point lies.
-# Without the sign, the number is six times the volume of the tetrahedron. The segment passes
-# through the interior of the triangle if
+# This sign shows on which side of the plane through $\mathbf{a}, \mathbf{b}, \mathbf{c}$ the
+# point $\mathbf{x}$ lies. The absolute value of the number in the large parentheses is six times
+# the volume of the tetrahedron of the four points. The segment passes through the interior of the
+# triangle if
 #
 # $$ [\mathbf{a}, \mathbf{b}, \mathbf{c}, \mathbf{p}] = -[\mathbf{a}, \mathbf{b}, \mathbf{c},
 #    \mathbf{q}] \neq 0, \qquad
 #    [\mathbf{p}, \mathbf{q}, \mathbf{a}, \mathbf{b}] = [\mathbf{p}, \mathbf{q}, \mathbf{b},
 #    \mathbf{c}] = [\mathbf{p}, \mathbf{q}, \mathbf{c}, \mathbf{a}] . \tag{14.5} $$
 #
-# The first condition: the ends of the segment are on different sides of the plane. The second
-# condition: the straight line through $\mathbf{p}$ and $\mathbf{q}$ has all three edges on the
-# same side (compare Guigue and Devillers, *Journal of Graphics Tools* 8, 2003).
+# The first condition requires that the two ends of the segment lie on different sides of the plane
+# of the triangle. The second condition requires that the straight line through $\mathbf{p}$ and
+# $\mathbf{q}$ passes through the triangle: seen along this line, the three edges turn around it in
+# the same direction (compare Guigue and Devillers, *Journal of Graphics Tools* 8, 2003).
 #
 # **Example.** Let $\mathbf{a} = (0,0,0)$, $\mathbf{b} = (4,0,0)$, $\mathbf{c} = (0,4,0)$,
 # $\mathbf{p} = (1,1,2)$ and $\mathbf{q} = (1,1,-2)$. The cross product of $\mathbf{b} -
 # \mathbf{a}$ and $\mathbf{c} - \mathbf{a}$ is $(0, 0, 16)$, so the numbers for $\mathbf{p}$ and
-# $\mathbf{q}$ are $32$ and $-32$: their signs differ. The three numbers of the second condition
-# are $16$, $32$ and $16$, all positive. The segment passes through the triangle. A segment from
-# $\mathbf{p}$ to $(1,1,1)$ does not: both numbers of the first condition are positive.
+# $\mathbf{q}$ are $32$ and $-32$, and the first condition holds. The three numbers of the second
+# condition are $16$, $32$ and $16$. All three are positive, so the segment passes through the
+# triangle. The segment from $\mathbf{p}$ to $(1,1,1)$ does not pass through the triangle, because
+# both numbers of the first condition are positive.
 #
 # ### 14.8 Segments through triangles
 #
-# Return whether (14.5) holds for each of $K$ segments and its triangle. No segment touches an edge
-# or a corner. But some segments end in the plane of the triangle or lie in it: they do not pass
-# through.
+# For each of $K$ pairs of a segment and a triangle, return whether (14.5) holds. No segment touches
+# an edge or a corner of its triangle. Some segments end in the plane of the triangle or lie in this
+# plane. The first condition does not hold for these segments.
 #
 # <details><summary>Hint</summary>
 #

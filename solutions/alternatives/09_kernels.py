@@ -84,13 +84,6 @@ def by_an_obstacle(a, p):
 
 
 @answers("09.2")
-def by_eigenvectors_of_the_square(a, p):
-    values, vectors = np.linalg.eigh(p @ p.T)
-    z = vectors[:, values <= 1e-11 * values.max()]
-    return np.linalg.eigvals(z.T @ a @ z).real.min()
-
-
-@answers("09.2")
 def by_a_general_problem(a, p):
     """A basis that is not orthonormal, and its Gram matrix on the other side."""
     from scipy.linalg import eigh, null_space

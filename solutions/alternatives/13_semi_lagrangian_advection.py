@@ -48,7 +48,7 @@ def solved_row(sites, near, y):
 
 @answers("13.1")
 def particle_by_particle(x, t, dt, flow):
-    feet = np.empty_like(x)
+    feet = np.empty(x.shape)
     for i in range(len(x)):
         feet[i] = x[i] - dt * wind(x[i], t, flow)
     return feet

@@ -3,6 +3,7 @@
 import numpy as np
 
 from fieldcheck.calls import Call
+from fieldcheck.questions.q02_moving_least_squares import measured_twice
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -33,11 +34,13 @@ def line_and_tiny_weights(seed):
 
 @hidden(
     "02.4",
-    "It must hold for one place, on the line, at a measured point, and outside of the points.",
+    "The field must be right for one evaluation point, for points on a line, at a measured point, "
+    "and far outside of the points.",
 )
 def unusual_places(seed):
     random = np.random.default_rng(seed + 3)
     line, plane = random.random((10, 1)), random.random((20, 2))
+    close = 1e-3 * random.random((4, 2))
     return (
         Call(
             "field",
@@ -46,6 +49,7 @@ def unusual_places(seed):
         ),
         Call("field", (plane, random.normal(size=20), plane[3:5].copy(), 0.1), "measured points"),
         Call("field", (plane, random.normal(size=20), 3 + random.random((4, 2)), 0.3), "outside"),
+        Call("field", (plane, random.normal(size=20), 0.4 + close, 0.2), "points close together"),
     )
 
 
@@ -78,8 +82,19 @@ def first_and_eighth_power(seed):
     return tuple(Call("errors", (points, places, n, 0.15), f"n = {n}") for n in (1, 8))
 
 
-@hidden("02.9", "It must hold on the line, and when many points are there.")
+@hidden(
+    "02.9",
+    "It must hold on a line, for many points, and where two measurements have the same point.",
+)
 def many_on_the_line(seed):
     random = np.random.default_rng(seed + 7)
     line = (np.arange(30) + random.random(30)) / 30
-    return (Call("leave_one_out", (line[:, None], random.normal(size=30), 0.1), "a line"),)
+    return (
+        Call("leave_one_out", (line[:, None], random.normal(size=30), 0.1), "a line"),
+        Call(
+            "leave_one_out",
+            (*measured_twice(random, (3, 2, 3)), 0.4),
+            "a grid in space, two points measured twice",
+            exact=(0, 1),
+        ),
+    )

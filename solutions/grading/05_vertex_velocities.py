@@ -4,6 +4,7 @@ import numpy as np
 from scipy.linalg import qr
 
 from fieldcheck.calls import Call
+from fieldcheck.questions.q05_vertex_velocities import mesh
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -34,9 +35,14 @@ def sides(triangles):
 )
 def fans(seed):
     random = np.random.default_rng(seed + 1)
-    return tuple(
+    small = tuple(
         Call("edges_of", (fan(random, n)[1],), f"{n} triangles around a vertex") for n in (4, 7)
     )
+    larger = (
+        (mesh(random, 11, 12)[1], "a mesh of more than a hundred vertices"),
+        (mesh(random, 18, 17)[1], "a mesh of more than three hundred vertices"),
+    )
+    return (*small, *(Call("edges_of", (triangles,), case) for triangles, case in larger))
 
 
 @hidden("05.2", "It must hold for edges of every length and direction.")

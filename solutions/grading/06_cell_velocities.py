@@ -3,7 +3,7 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q06_cell_velocities import normal_velocities
+from fieldcheck.questions.q06_cell_velocities import normal_velocities, obtuse
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -36,6 +36,12 @@ def of_a_right_angle(seed):
     return tuple(
         Call("cell_velocity", (right_angle(random, size), random.normal(size=3)), "a triangle")
         for size in (1e-3, 1.0, 1e2)
+    ) + (
+        Call(
+            "cell_velocity",
+            (obtuse(random) * [1, 2e-3], random.normal(size=3)),
+            "a very flat triangle",
+        ),
     )
 
 

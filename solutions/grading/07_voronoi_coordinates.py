@@ -39,19 +39,39 @@ def few_and_many(seed):
     return tuple(calls)
 
 
+def far_outside(center, rim, corners):
+    """Return two points far outside a cell, where the sum of the products (7.10) does not nearly
+    vanish.
+    """
+    tried = np.concatenate([points_outside(center, corners, far) for far in (2.2, 3.1, 4.3)])
+    spokes = rim - center
+    h = (spokes**2).sum(axis=1) / 2 - (tried - center) @ spokes.T
+    ahead = np.roll(spokes, -1, axis=0)
+    areas = np.abs(spokes[:, 0] * ahead[:, 1] - spokes[:, 1] * ahead[:, 0])
+    c = areas * h.prod(axis=1, keepdims=True) / (h * np.roll(h, -1, axis=1))
+    return tried[np.argsort(np.abs(c.sum(axis=1)) / np.abs(c).sum(axis=1))[-2:]]
+
+
 @hidden("07.5", "There may be one point only.")
 def one_place(seed):
     random = np.random.default_rng(seed + 3)
     center, rim, corners = star(random, 5)
     x = points_inside(random, center, corners, 1)
-    return (Call("coordinates", (center, rim, corners, x), "one point among five neighbours"),)
+    far = far_outside(center, rim, corners)
+    return (
+        Call("coordinates", (center, rim, corners, x), "one point among five neighbours"),
+        Call("coordinates", (center, rim, corners, far), "two points far outside"),
+    )
 
 
 @hidden("07.6", "It must hold for other numbers of points.")
 def few_points(seed):
     random = np.random.default_rng(seed + 4)
     center, corners = uneven_cell(random, 5, False)
-    return (Call("spiral", (center, corners, 3), "three points among five neighbours"),)
+    return tuple(
+        Call("spiral", (center, corners, steps), f"{words} among five neighbours")
+        for steps, words in ((1, "one point"), (3, "three points"), (1000, "a thousand points"))
+    )
 
 
 @hidden("07.8", "It must hold on the edges and corners of any cell, outside, and in every unit.")
@@ -63,10 +83,16 @@ def on_other_edges(seed):
     square = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
     at_corners = (np.zeros(2), mirror_images(np.zeros(2), square), square)
     tiny = tuple(2.0**-33 * part for part in uneven)
+    *many, ten = star(random, 10)
     name = "safe_coordinates"
     return (
         Call(name, uneven, "the edges and corners of an uneven cell", exact=(0, 1, 2)),
         Call(name, at_corners, "the corners of a square cell", exact=(0, 1, 2)),
         Call(name, tiny, "the edges and corners of a tiny cell", exact=(0, 1, 2)),
         Call(name, (*uneven[:2], points_outside(center, corners)), "points outside an octagon"),
+        Call(name, (*many, points_inside(random, many[0], ten, 5)), "ten neighbours"),
+        Call(name, (*many, far_outside(*many, ten)), "points far outside"),
+        Call(
+            name, (*uneven[:2], far_outside(*uneven[:2], corners)), "points far outside an octagon"
+        ),
     )

@@ -20,7 +20,7 @@ def far_away(seed):
     return (Call("circumcenter", tuple(corners), "a tetrahedron far from the origin"),)
 
 
-@hidden("08.7", "It must hold for few neighbours and for many.")
+@hidden("08.7", "It must hold for few neighbours and for many, and in every unit.")
 def few_and_many(seed):
     random = np.random.default_rng(seed + 2)
     calls = []
@@ -31,7 +31,9 @@ def few_and_many(seed):
         x = point_outside(center, neighbors, cells, corners)
         case = f"{n + 2} neighbours, outside"
         calls.append(Call("weights", (center, neighbors, cells, corners, x), case))
-    return tuple(calls)
+    center, neighbors, cells, corners, x = calls[0].arguments
+    small = (2.0**-24 * center, 2.0**-24 * neighbors, cells, 2.0**-24 * corners, 2.0**-24 * x)
+    return (*calls, Call("weights", small, "a small cell"))
 
 
 @hidden("08.8", "There may be one point only.")

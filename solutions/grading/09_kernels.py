@@ -12,6 +12,7 @@ def other_degrees(seed):
     random = np.random.default_rng(seed + 1)
     return (
         Call("monomials", (random.normal(size=(5, 2)), 5), "five points and the degree 5"),
+        Call("monomials", (random.normal(size=(3, 2)), 8), "three points and the degree 8"),
         Call("monomials", (random.normal(size=(1, 2)), 2), "one point"),
         Call("monomials", (random.normal(size=(4, 2)), 1), "four points and the degree 1"),
     )
@@ -21,6 +22,9 @@ def other_degrees(seed):
 def any_matrix(seed):
     random = np.random.default_rng(seed + 2)
     a, p = random.normal(size=(12, 12)), random.normal(size=(12, 3))
+    apart = np.zeros((12, 3))
+    for k, size in enumerate((1.0, 2.0**-28, 2.0**-38)):
+        apart[4 * k : 4 * k + 4, k] = size * random.uniform(1, 2, 4)
     return (
         Call("least_eigenvalue", (a + a.T, p), "a random symmetric matrix"),
         Call(
@@ -30,6 +34,7 @@ def any_matrix(seed):
         ),
         Call("least_eigenvalue", (a + a.T, p * [1, 3e-3, 1]), "conditions of different sizes"),
         Call("least_eigenvalue", (a + a.T, 1e-8 * p), "conditions with small numbers"),
+        Call("least_eigenvalue", (a + a.T, apart), "conditions on different points"),
     )
 
 
@@ -46,16 +51,27 @@ def on_two_lines(seed):
         Call("vanishing", (cross.T @ turn + 1, 2), "eight points on two lines"),
         Call("vanishing", (cloud(random, 9, 2) + 3, 2), "nine points away from the origin"),
         Call("vanishing", (cloud(random, 2, 2), 1), "two points"),
+        Call(
+            "vanishing",
+            (np.array([[0.5, 2.0], [0.5, 3.0]]), 3),
+            "two points, one above the other",
+            exact=(0,),
+        ),
         Call("vanishing", (1e-7 * (cross.T @ turn), 2), "eight points on two tiny lines"),
         Call("vanishing", (cross.T @ turn + off, 2), "eight points near two lines"),
         Call("vanishing", (1e6 * (1 + cloud(random, 7, 2)), 2), "seven points in a large box"),
     )
 
 
-@hidden("09.4", "It must hold for other powers, degrees and numbers of points, and at one point.")
+@hidden(
+    "09.4",
+    "It must hold for other powers, degrees and numbers of points, at one point, and near points.",
+)
 def other_fields(seed):
     random = np.random.default_rng(seed + 4)
     points, values = cloud(random, 20, 2), random.normal(size=20)
+    close = points.copy()
+    close[7] = close[12] + [0.008, -0.004]
     return (
         Call("interpolate", (points, values, 4, 2, random.random((1, 2))), "k = 4 and one point"),
         Call(
@@ -71,6 +87,9 @@ def other_fields(seed):
         Call(
             "interpolate", (points, values, 1, -1, random.random((4, 2))), "k = 1 and no polynomial"
         ),
+        Call("interpolate", (points, values, 2, 1, points[:9] + 1e-3), "k = 2, beside nine points"),
+        Call("interpolate", (points, values, 3, 1, points - 1e-5), "k = 3, beside all points"),
+        Call("interpolate", (close, values, 3, 1, random.random((9, 2))), "two close points"),
     )
 
 
@@ -79,6 +98,7 @@ def many_variables(seed):
     r = np.random.default_rng(seed + 5).uniform(0, 1.5, 7)
     return (
         Call("wendland", (r, 9, 1), "nine variables"),
+        Call("wendland", (r, 9, 0), "nine variables, not smooth"),
         Call("wendland", (r, 6, 0), "six variables"),
         Call("wendland", (r[:1], 1, 1), "one distance"),
     )
@@ -100,4 +120,5 @@ def one_and_many(seed):
     return (
         Call("slope_matrix", (x,), "nine points"),
         Call("slope_matrix", (x[:1],), "one point"),
+        Call("slope_matrix", (2.0**-13 * x[:4],), "four points 10⁻⁴ apart"),
     )

@@ -39,10 +39,14 @@ def uneven_steps(seed):
     return (
         Call("moments", (sites, random.normal(size=9)), "uneven steps"),
         Call("moments", (line(random, 40), random.normal(size=40)), "forty sites"),
+        Call("moments", (2.0**-40 * sites, 2.0**-80 * random.normal(size=9)), "close sites"),
     )
 
 
-@hidden("10.4", "The points may come in any order, and there may be two sites only.")
+@hidden(
+    "10.4",
+    "The points may come in any order, near the sites, in any unit. There may be two sites only.",
+)
 def points_in_any_order(seed):
     random = np.random.default_rng(seed + 4)
     sites, heights, bends = natural_data(random, 9)
@@ -50,17 +54,32 @@ def points_in_any_order(seed):
     two = line(random, 2)
     return (
         Call("piecewise", (sites, heights, bends, x), "points in any order"),
+        Call("piecewise", (sites, heights, bends, sites + 2.0**-12), "points beside the sites"),
+        Call(
+            "piecewise",
+            (2.0**-30 * sites, 2.0**-60 * heights, bends, 2.0**-30 * x),
+            "close sites",
+        ),
         Call("piecewise", (two, random.normal(size=2), np.zeros(2), x), "two sites"),
     )
 
 
-@hidden("10.5", "There may be two sites only, or many.")
+@hidden("10.5", "There may be two sites only, or many, in any unit.")
 def two_sites_or_many(seed):
     random = np.random.default_rng(seed + 5)
     two = line(random, 2)
+    sites, heights, bends = natural_data(random, 5)
     return (
         Call("truncated", (two, random.normal(size=2), np.zeros(2)), "two sites"),
         Call("truncated", natural_data(random, 10), "ten sites"),
+        *(
+            Call("truncated", (width * sites, width**2 * height * heights, height * bends), case)
+            for width, height, case in (
+                (2.0**-30, 1.0, "close sites"),
+                (1.0, 2.0**-30, "small values"),
+                (2.0**-40, 2.0**-40, "close sites with small values"),
+            )
+        ),
     )
 
 
@@ -85,4 +104,5 @@ def knots_of_any_kind(seed):
         Call("b_splines", (t, 5, x), "the degree 5", exact=(0, 2)),
         Call("b_splines", (t[5:8], 1, x), "one hat", exact=(0, 2)),
         Call("b_splines", (ends, 3, np.append(x, ends)), "fourfold ends", exact=(0, 2)),
+        Call("b_splines", (2.0**-44 * t, 3, 2.0**-44 * x), "close knots", exact=(0, 2)),
     )

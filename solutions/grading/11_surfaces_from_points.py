@@ -12,7 +12,12 @@ from fieldcheck.questions.q11_point_clouds import (
     random_signs,
     torus,
 )
-from fieldcheck.questions.q11_zero_levels import body, near_diagonals, points_about_origin
+from fieldcheck.questions.q11_zero_levels import (
+    body,
+    in_another_unit,
+    near_diagonals,
+    points_about_origin,
+)
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -26,12 +31,13 @@ def other_numbers(seed):
     )
 
 
-@hidden("11.2", "It must hold for any number of neighbours.")
+@hidden("11.2", "It must hold for any number of neighbours, and in every unit.")
 def two_neighbours(seed):
     random = np.random.default_rng(seed + 2)
     return (
         Call("linked", (random.normal(size=(15, 2)), 2), "one neighbour each"),
         Call("linked", (random.normal(size=(7, 3)), 7), "all of them"),
+        Call("linked", (2.0**-40 * random.normal(size=(9, 3)), 3), "close points"),
     )
 
 
@@ -54,6 +60,34 @@ def sheet_in_space(seed):
     return (Call("orient", (sheet, random_signs(random, up), near(sheet, 5)), "a sheet in space"),)
 
 
+@hidden("11.3", "A normal may be nearly perpendicular to that of its neighbour in the tree.")
+def nearly_perpendicular(seed):
+    random = np.random.default_rng(seed + 10)
+    calls = []
+    for n, case in ((6, "a chain of six points"), (9, "a chain of nine points")):
+        turn = np.cumsum(np.pi / 2 + random.choice([-1, 1], n) * random.uniform(0.01, 0.04, n))
+        points = np.column_stack([random.uniform(-1, 1, n), -np.arange(n)])
+        chain = np.eye(n, k=1, dtype=int) + np.eye(n, k=-1, dtype=int)
+        given = random_signs(random, np.column_stack([np.cos(turn), np.sin(turn)]))
+        calls.append(Call("orient", (points, given, chain), case))
+    return tuple(calls)
+
+
+@hidden("11.3", "The cost (11.4) of a link does not depend on its length.")
+def long_way_round(seed):
+    random = np.random.default_rng(seed + 11)
+    calls = []
+    for n, case in ((6, "a way round of six points"), (7, "a way round of seven points")):
+        turn = np.linspace(np.pi / 2, np.pi / 2 - random.uniform(2.3, 2.5), n)
+        out = np.column_stack([np.cos(turn), np.sin(turn)])
+        points = np.array([[0.0, 3.0]]) + 3 * out
+        points[-1] = points[0] - [0, 0.05]
+        links = np.eye(n, k=1, dtype=int) + np.eye(n, k=-1, dtype=int)
+        links[0, -1] = links[-1, 0] = 1
+        calls.append(Call("orient", (points, random_signs(random, out), links), case))
+    return tuple(calls)
+
+
 @hidden("11.4", "Lengths may be large or small, and points far from the origin.")
 def far_away(seed):
     random = np.random.default_rng(seed + 4)
@@ -61,6 +95,8 @@ def far_away(seed):
     return (
         Call("off_surface", (points + 100, outward(points), 40.0), "a large distance"),
         Call("off_surface", (points, -outward(points), 0.5), "normals that point inward"),
+        Call("off_surface", (points, outward(points), 2.0**14), "a very large distance"),
+        Call("off_surface", (2.0**-14 * points, outward(points), 0.7), "close points"),
     )
 
 
@@ -85,19 +121,23 @@ def in_four_dimensions(seed):
     )
 
 
-@hidden("11.7", "It must hold in every dimension, and for no steps at all.")
+@hidden("11.7", "It must hold in every dimension and every unit, and for no steps at all.")
 def no_steps(seed):
     random = np.random.default_rng(seed + 7)
     x, coefficients = near_diagonals(random, 4, 3), body(random, 3, 5)
     return (
         Call("to_surface", (x, *coefficients, 0), "no steps"),
         Call("to_surface", (x, *coefficients, 3), "three steps"),
+        Call("to_surface", (*in_another_unit(2.0**12, x, *coefficients), 3), "large steps"),
     )
 
 
-@hidden("11.8", "The values may be large, and differ much.")
+@hidden("11.8", "The values may be large or small, and differ much.")
 def steep(seed):
     random = np.random.default_rng(seed + 8)
     signs = np.array([[1, -1, -1, -1], [1, 1, -1, -1], [-1, 1, 1, -1], [1, 1, -1, 1]])
     sizes = np.exp(random.normal(0, 3, (4, 4)))
-    return (Call("pieces", (signs * sizes,), "four squares"),)
+    return (
+        Call("pieces", (signs * sizes,), "four squares"),
+        Call("pieces", (2.0**-40 * signs * sizes,), "four squares with small values"),
+    )

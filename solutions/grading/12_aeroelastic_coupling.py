@@ -8,9 +8,10 @@ from fieldcheck.questions.q12_steady_state import section, wing
 from fieldgrade.authoring.hidden_cases import hidden
 
 
-@hidden("12.1", "It must hold far outside the structure, and for nodes in space.")
+@hidden("12.1", "It must hold far outside the structure, beside nodes, and for nodes in space.")
 def outside(seed):
     random = np.random.default_rng(seed + 1)
+    nodes = grid(random, 2, 3)
     return (
         Call("weights", (grid(random, 3, 3), random.uniform(2, 4, (3, 2))), "points far outside"),
         Call(
@@ -18,6 +19,7 @@ def outside(seed):
             (grid(random, 2, 2, 3), random.uniform(-1, 2, (5, 3))),
             "points around nodes in space",
         ),
+        Call("weights", (nodes, nodes[[1, 4]] + [[1e-4], [-1e-6]]), "points beside nodes"),
     )
 
 
@@ -32,28 +34,35 @@ def one_force(seed):
     )
 
 
-@hidden("12.4", "Forces that cancel may have a moment, about any point.")
+@hidden("12.4", "Forces that cancel may have a moment, about any point, and forces may be small.")
 def forces_that_cancel(seed):
     random = np.random.default_rng(seed + 3)
     f = random.integers(-9, 10, (3, 3)) / 8
+    points, pushes = random.normal(size=(2, 4, 3))
     return (
         Call(
             "resultants",
             (random.normal(size=(6, 3)), np.vstack([f, -f]), random.normal(size=3)),
             "forces that cancel",
         ),
+        *(
+            Call("resultants", (points, size * pushes, points[0]), case)
+            for size, case in ((2.0**-40, "small forces"), (2.0**-60, "smaller forces"))
+        ),
     )
 
 
-@hidden("12.6", "Areas may differ by a thousand.")
+@hidden("12.6", "Areas may differ by a thousand, in any unit.")
 def uneven_areas(seed):
     random = np.random.default_rng(seed + 4)
+    h, pressures, areas = (
+        transfer(random, 20, 6),
+        random.normal(size=20),
+        10 ** random.uniform(-2, 1, 20),
+    )
     return (
-        Call(
-            "densities",
-            (transfer(random, 20, 6), random.normal(size=20), 10 ** random.uniform(-2, 1, 20)),
-            "uneven areas",
-        ),
+        Call("densities", (h, pressures, areas), "uneven areas"),
+        Call("densities", (h, pressures, 2.0**-40 * areas), "small areas"),
     )
 
 
@@ -95,6 +104,7 @@ def longer_and_shorter(seed):
     return (
         Call("iterates", (*wing(random, 6, 4), 0.6, 25), "six nodes"),
         Call("iterates", (*section(random, 0.3), 1.2, 0), "no step"),
+        Call("iterates", (*wing(random, 3, 4), 0.05, 900), "small steps"),
     )
 
 
@@ -105,4 +115,14 @@ def other_sections(seed):
     for share in (0.1, 0.4):
         k, h, _, slope = section(random, share)
         calls.append(Call("divergence", (100 * k, h, slope), "a stiff section"))
+    turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
+    growth = turn @ np.array([[0.2, 0, 0.3], [0, 0.7, 1.5], [0, -0.8, 0.7]]) @ turn.T
+    springs = np.diag([1.5, 2.0, 2.5])
+    for stiff, load, case in (
+        (2.0**40, 1.0, "three stiff nodes"),
+        (2.0**-40, 1.0, "three soft nodes"),
+        (1.0, 2.0**-40, "three nodes under small loads"),
+    ):
+        loads = load * springs @ growth
+        calls.append(Call("divergence", (stiff * springs, np.eye(3), loads), case))
     return tuple(calls)

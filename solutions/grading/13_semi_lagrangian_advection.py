@@ -8,27 +8,38 @@ from fieldgrade.authoring.hidden_cases import hidden
 
 
 def other_steps(name, seed):
-    """Return a single point, a step forward, and a long step."""
+    """Return a single point, a step forward, a long step, and other times."""
     random = np.random.default_rng(seed)
     x, t = in_disc(random, 5), random.uniform(0.5, 1)
     return (
         Call(name, (x[:1], t, 0.1, 1), "a single point"),
         Call(name, (x, t, -0.07, 2), "a step forward in time"),
         Call(name, (x, 0.0, 0.4, 0), "a long step"),
+        Call(name, (x, 1.4, 0.06, 1), "a time after 1"),
+        Call(name, (0.5 * x, -0.3, 0.06, 2), "a negative time"),
     )
 
 
-@hidden("13.1", "It must hold for a single point, for steps of either sign, and for long ones.")
+@hidden(
+    "13.1",
+    "It must hold for a single point, at every time, for steps of either sign, and for long ones.",
+)
 def other_steps_of_euler(seed):
     return other_steps("euler", seed + 1)
 
 
-@hidden("13.2", "It must hold for a single point, for steps of either sign, and for long ones.")
+@hidden(
+    "13.2",
+    "It must hold for a single point, at every time, for steps of either sign, and for long ones.",
+)
 def other_steps_of_the_midpoint(seed):
     return other_steps("midpoint", seed + 2)
 
 
-@hidden("13.3", "It must hold for a single point, for steps of either sign, and for long ones.")
+@hidden(
+    "13.3",
+    "It must hold for a single point, at every time, for steps of either sign, and for long ones.",
+)
 def other_steps_of_runge_and_kutta(seed):
     return other_steps("rk4", seed + 3)
 
@@ -44,6 +55,7 @@ def in_space(seed):
             (in_square(random, 4), random.uniform(1, 1.3, (3, 2)), 7),
             "feet outside the sites",
         ),
+        Call("step_matrix", (sites, sites[[3, 8]] + [[1e-4], [-1e-6]], 9), "feet beside sites"),
     )
 
 
@@ -52,8 +64,9 @@ def longer_and_shorter(seed):
     random = np.random.default_rng(seed + 5)
     sites = in_disc(random, 20)
     return (
-        Call("advect", (sites, random.normal(size=20), 0.1, 6, 1, 7), "six steps"),
+        Call("advect", (sites, random.normal(size=20), 0.1, 6, 1, 15), "six steps"),
         Call("advect", (sites, random.normal(size=20), 0.1, 0, 1, 7), "no step"),
+        Call("advect", (in_square(random, 4), random.normal(size=16), 0.2, 4, 2, 9), "late steps"),
     )
 
 
@@ -75,6 +88,7 @@ def at_the_bounds(seed):
     u, m = random.normal(size=6), random.uniform(1, 2, 6)
     low, high = u - random.uniform(0.1, 1, 6), u + random.uniform(0.1, 1, 6)
     high[2] = low[2]
+    beyond = u + np.array([0, 0, 1.5, 0, -1.5, 0]) / m
     return (
         Call("with_mass", (u, low, high, m, float(m @ high)), "the largest mass"),
         Call(
@@ -82,14 +96,20 @@ def at_the_bounds(seed):
             (u, low, high, m, float(m @ (0.6 * low + 0.4 * high))),
             "equal bounds of one value",
         ),
+        Call("with_mass", (beyond, u - 0.4, u + 0.4, m, float(m @ u)), "one value beyond"),
     )
 
 
-@hidden("13.11", "It must hold for any number of rounds, including none.")
+@hidden(
+    "13.11", "It must hold for any number of rounds, including none, and for sites in any order."
+)
 def more_rounds(seed):
     random = np.random.default_rng(seed + 8)
     x = np.arange(7)[:, None] / 3 - 1 + random.uniform(-0.05, 0.05, (7, 1))
+    mixed = x[random.permutation(7)]
     return (
         Call("burgers_feet", (x, np.cos(x[:, 0]), 0.3, 12, 5), "twelve rounds"),
         Call("burgers_feet", (x, np.cos(x[:, 0]), 0.3, 0, 5), "no round"),
+        Call("burgers_feet", (mixed, np.cos(mixed[:, 0]), 0.3, 2, 5), "sites in any order"),
+        Call("burgers_feet", (x, 0.8 * x[:, 0] + 0.05, 1.0, 40, 5), "forty rounds"),
     )

@@ -7,6 +7,7 @@ from fieldcheck.questions.q14_mesh_errors import (
     ball,
     band,
     book,
+    bottle,
     flipped,
     fused,
     joined,
@@ -25,8 +26,16 @@ def in_the_plane(seed):
     flat = copies(random, 16, 0.01)[:, :2]
     return (
         Call("weld", (flat, 0.0075), "points in the plane", exact=(0,)),
+        Call("weld", (np.array([[7, 1], [1, 9], [5, 12]]), 5.0), "a distance of 5", exact=(0, 1)),
         Call("weld", (random.normal(size=(1, 3)), 0.1), "one point"),
     )
+
+
+FEW = np.array([[1, 12, 40], [2, 8, 41], [3, 30, 42], [4, 18, 43]])
+"""Triangles without a common edge. Their sides are not determined by 4 i + j or 12 i + j."""
+
+LARGE = np.array([[1, 1500, 3001], [2, 500, 3002], [3, 1200, 3003], [4, 200, 3004]])
+"""Triangles without a common edge. Their sides are not determined by 1000 i + j."""
 
 
 @hidden("14.2", "A mesh may have few triangles, and large vertex numbers.")
@@ -35,6 +44,12 @@ def few_and_far(seed):
     crowd = joined(book(4), ring(3, 3), without(ball(2, 4), 1))
     return (
         Call("triangles_at_sides", (np.array([[4000, 7, 12]]),), "one triangle"),
+        Call("triangles_at_sides", (LARGE,), "four triangles with large numbers"),
+        Call("triangles_at_sides", (LARGE[:, ::-1],), "the same, inverted"),
+        Call("triangles_at_sides", (FEW,), "four triangles"),
+        Call(
+            "triangles_at_sides", (np.array([[1, 1000, 1023], [65, 1000, 900]]),), "two triangles"
+        ),
         Call("triangles_at_sides", (shuffled(random, crowd, 40)[1],), "several surfaces"),
     )
 
@@ -45,6 +60,10 @@ def other_surfaces(seed):
     tips = fused(joined(ball(2, 4), ball(2, 4)), (9, 18))
     return (
         Call("euler_characteristic", (np.array([[5, 0, 9]]),), "one triangle"),
+        Call("euler_characteristic", (LARGE,), "four triangles with large numbers"),
+        Call("euler_characteristic", (FEW,), "four triangles"),
+        Call("euler_characteristic", (shuffled(random, book(7))[1],), "seven triangles at an edge"),
+        Call("euler_characteristic", (LARGE[[0, 1, 2, 0, 2, 0]],), "triangles listed twice"),
         Call("euler_characteristic", (shuffled(random, tips)[1],), "two spheres at one vertex"),
         Call(
             "euler_characteristic",
@@ -70,18 +89,45 @@ def open_and_closed(seed):
     random = np.random.default_rng(seed + 5)
     surface = fused(joined(ball(2, 4), sheet(2, 2), book(3), ball(1, 4)), (0, 14), (0, 19), (0, 27))
     points, triangles = shuffled(random, flipped(random, surface), 3)
-    return (Call("fans", (len(points), triangles), "four surfaces at one vertex"),)
+    return (
+        Call("fans", (len(points), triangles), "four surfaces at one vertex"),
+        Call("fans", (4, np.array([[3, 0, 1], [0, 1, 3]])), "a triangle listed twice"),
+        Call("fans", (4, np.array([[2, 0, 1], [0, 2, 1]])), "a triangle and its inverse"),
+    )
 
 
-@hidden("14.6", "There may be several parts, orientable and not.")
+@hidden("14.6", "There may be several parts, orientable and not, and parts may share a vertex.")
 def bands(seed):
     random = np.random.default_rng(seed + 6)
     surface = flipped(random, joined(band(2, 5), band(3, 5), ring(3, 4), band(1, 4)))
     points, triangles = shuffled(random, surface)
     rough = points + random.uniform(-0.05, 0.05, points.shape)
+    three = fused(joined(ring(3, 4), band(1, 5), ball(1, 4)), (0, 12), (0, 27))
+    closed = {
+        "a Klein bottle": shuffled(random, flipped(random, bottle())),
+        "a torus and a Klein bottle": shuffled(
+            random, flipped(random, joined(ring(4, 5), bottle(5, 4)))
+        ),
+    }
+    touching, both = shuffled(random, flipped(random, three))
     return (
         Call("turns", (rough, triangles), "four surfaces"),
+        Call(
+            "turns",
+            (touching + random.uniform(-0.05, 0.05, touching.shape), both),
+            "three surfaces that share a vertex",
+        ),
         Call("turns", (random.normal(size=(3, 3)), np.array([[1, 0, 2]])), "one triangle"),
+        *(
+            Call(
+                "turns",
+                (random.normal(size=(3, 3)), np.array(twice)),
+                "two equal triangles",
+                exact=(0,),
+            )
+            for twice in ([[1, 0, 2], [0, 2, 1]], [[1, 0, 2], [1, 2, 0]])
+        ),
+        *(Call("turns", (random.normal(size=p.shape), t), case) for case, (p, t) in closed.items()),
     )
 
 
@@ -95,8 +141,12 @@ def in_nanometres(seed):
     )
 
 
-@hidden("14.8", "It must hold for any segments and triangles.")
+@hidden("14.8", "It must hold for any segments and triangles, in every unit.")
 def at_random(seed):
     random = np.random.default_rng(seed + 8)
     start, end = random.normal(size=(2, 40, 3))
-    return (Call("pierced", (start, end, random.normal(size=(40, 3, 3))), "forty at random"),)
+    corners = random.normal(size=(40, 3, 3))
+    return (
+        Call("pierced", (start, end, corners), "forty at random"),
+        Call("pierced", tuple(2.0**-40 * p for p in (start, end, corners)), "forty small ones"),
+    )

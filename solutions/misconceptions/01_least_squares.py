@@ -57,6 +57,44 @@ def through_the_first_points(points, values):
     return np.linalg.solve(b, values[: len(b)])
 
 
+@answers("01.2", named=False)
+def one_measurement_for_each_point(points, values):
+    """Where a point was measured twice, both values count."""
+    alone, first = np.unique(points, axis=0, return_index=True)
+    return np.linalg.lstsq(basis(alone), values[first], rcond=None)[0]
+
+
+@answers("01.2", named=False)
+def small_singular_values_dropped(points, values):
+    """A strip determines the slope across it, unless its small singular value is dropped."""
+    return np.linalg.lstsq(basis(points), values, rcond=1e-2)[0]
+
+
+@answers("01.2", named=False)
+def slopes_dropped_in_a_small_unit(points, values):
+    """In another unit of length the slopes belong to small singular values."""
+    return np.linalg.lstsq(basis(points), values, rcond=1e-4)[0]
+
+
+@answers("01.2", named=False)
+def outliers_left_out(points, values):
+    """Least squares uses every value, also one that is far from the others."""
+    b = basis(points)
+    e = np.abs(b @ np.linalg.lstsq(b, values)[0] - values)
+    kept = e <= 2.5 * np.sqrt(np.mean(e**2))
+    return np.linalg.lstsq(b[kept], values[kept])[0]
+
+
+@answers("01.2")
+def values_stored_like_the_points(points, values):
+    """The values were copied into an array of the type of the points. For points with integer
+    coordinates this array holds integers only, and the decimals of the values are lost.
+    """
+    stored = np.empty(len(points), dtype=points.dtype)
+    stored[:] = values
+    return np.linalg.lstsq(basis(points), stored)[0]
+
+
 @answers("01.2")
 def slopes_first(points, values):
     """The numbers are right, but the constant stands last. In (1.1) the first coefficient is the
@@ -104,6 +142,35 @@ def constant_taken_last(coefficients, x):
     constant comes first.
     """
     return x @ coefficients[:-1] + coefficients[-1]
+
+
+@answers("01.3")
+def stored_like_x(coefficients, x):
+    """The values were stored in an array of the type of x, as `np.zeros_like` makes it. For
+    evaluation points with integer coordinates it holds integers only, and the decimals are lost.
+    Which type has `np.zeros(len(x))`?
+    """
+    return (basis(x) @ coefficients).astype(x.dtype)
+
+
+@answers("01.3", named=False)
+def coefficients_like_x(coefficients, x):
+    """For integer coordinates the coefficients lose their decimals."""
+    return basis(x) @ coefficients.astype(x.dtype)
+
+
+@answers("01.4", named=False)
+def of_the_first_points(points):
+    """The first D + 1 points may be on one line although the others are not."""
+    first = points[1 : points.shape[1] + 1] - points[0]
+    return 1 + np.linalg.matrix_rank(first, tol=1e-9 * np.ptp(points, axis=0).max())
+
+
+@answers("01.4", named=False)
+def extent_of_the_first_step(points):
+    """The first two points may be equal, and are not the extent of all points."""
+    moved = points - points[0]
+    return 1 + np.linalg.matrix_rank(moved, tol=1e-9 * np.abs(moved[:2]).max())
 
 
 @answers("01.4")
@@ -228,6 +295,58 @@ def always_one_more(points):
     )
 
 
+@answers("01.4", named=False)
+def of_the_first_ten_points(points):
+    """The others may lie beside the line of the first ones."""
+    first = points[:10] - points[:10].mean(axis=0)
+    return 1 + np.linalg.matrix_rank(first, tol=1e-9 * np.ptp(points, axis=0).max())
+
+
+@answers("01.4", named=False)
+def ones_not_scaled(points):
+    """In a small unit of length the column of ones counts as zero."""
+    b = basis(points - points.mean(axis=0))
+    return np.linalg.matrix_rank(b, tol=1e-9 * np.ptp(points, axis=0).max())
+
+
+@answers("01.4", named=False)
+def tolerance_of_1e_11(points):
+    """The text asks for a limit that is larger by a factor of a hundred."""
+    moved = points - points.mean(axis=0)
+    return 1 + np.linalg.matrix_rank(moved, tol=1e-11 * np.ptp(points, axis=0).max())
+
+
+@answers("01.4", named=False)
+def centred_in_integers(points):
+    """The rounded mean of points on a line is not on the line."""
+    center = points.mean(axis=0).astype(points.dtype)
+    return 1 + np.linalg.matrix_rank(points - center, tol=1e-9 * np.ptp(points, axis=0).max())
+
+
+@answers("01.5")
+def slopes_stored_like_x(coefficients, x):
+    """The slopes were stored in an array of the type of x, as `np.zeros_like` or `np.full_like`
+    makes it. For evaluation points with integer coordinates it holds integers only, and the
+    decimals are lost.
+    """
+    return np.full_like(x, coefficients[1:])
+
+
+@answers("01.5", named=False)
+def zero_where_a_coordinate_is_zero(coefficients, x):
+    """The gradient does not depend on the evaluation point."""
+    return coefficients[1:] * (x != 0)
+
+
+@answers("01.5", named=False)
+def difference_quotient(coefficients, x):
+    """Differences of values lose digits far from the origin."""
+    h = 1e-6
+    return np.transpose(
+        [(basis(x + h * e) - basis(x - h * e)) @ coefficients / (2 * h) for e in np.eye(x.shape[1])]
+    )
+
+
 @answers("01.5")
 def all_coefficients(coefficients, x):
     """The constant c₀ is among the derivatives. The gradient of (1.1) has one entry for each
@@ -282,3 +401,23 @@ def of_the_values(points, values, coefficients):
     before the norm is taken.
     """
     return 0.5 * np.sum((basis(points) @ coefficients) ** 2)
+
+
+@answers("01.6", named=False)
+def outliers_count_less(points, values, coefficients):
+    """Large residuals are not squared, as in robust statistics."""
+    e = np.abs(basis(points) @ coefficients - values)
+    return np.sum(np.where(e < 10, e**2 / 2, 10 * e - 50))
+
+
+@answers("01.6", named=False)
+def spread_of_the_residual(points, values, coefficients):
+    """The residual of coefficients that are not optimal has a mean."""
+    return 0.5 * len(points) * np.var(basis(points) @ coefficients - values)
+
+
+@answers("01.6", named=False)
+def one_measurement_for_each_point_counted(points, values, coefficients):
+    """Where a point was measured twice, both values count."""
+    alone, first = np.unique(points, axis=0, return_index=True)
+    return 0.5 * np.sum((basis(alone) @ coefficients - values[first]) ** 2)

@@ -34,6 +34,13 @@ def value_at(c, x):
 # 02.1 weights
 
 
+@answers("02.1", named=False)
+def zero_far_away(points, x, epsilon):
+    """The weight (2.3) is small far away, but it is never zero."""
+    w = weight(points, x, epsilon)
+    return np.where(w * epsilon**2 < 1e-2, 0.0, w)
+
+
 @answers("02.1")
 def distance_not_squared(points, x, epsilon):
     """The distance in the denominator is not squared, so a length and a squared length are added.
@@ -636,6 +643,33 @@ def plain_least_squares_left_out(points, values, epsilon):
         p, v = np.delete(points, i, axis=0), np.delete(values, i)
         rows.append(values[i] - value_at(solved(p, v, np.ones(len(p))), points[i]))
     return np.array(rows)
+
+
+def left_out_where(equal, points, values, epsilon):
+    rows = []
+    for i, p in enumerate(points):
+        others = ~equal(i)
+        w = local(points[others], values[others], p, epsilon)
+        rows.append(values[i] - value_at(w, p))
+    return np.array(rows)
+
+
+@answers("02.9", named=False)
+def all_at_the_point_left_out(points, values, epsilon):
+    """Another measurement at the same point was left out too, although it was not the one."""
+    return left_out_where(lambda i: (points == points[i]).all(axis=1), points, values, epsilon)
+
+
+@answers("02.9", named=False)
+def all_of_the_first_coordinate_left_out(points, values, epsilon):
+    """The measurement was recognised by its first coordinate, which others may have too."""
+    return left_out_where(lambda i: points[:, 0] == points[i, 0], points, values, epsilon)
+
+
+@answers("02.9", named=False)
+def all_of_the_value_left_out(points, values, epsilon):
+    """The measurement was recognised by its value, which others may have too."""
+    return left_out_where(lambda i: values == values[i], points, values, epsilon)
 
 
 @answers("02.9")

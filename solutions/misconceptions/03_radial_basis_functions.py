@@ -453,6 +453,15 @@ def logarithm(y):
     return np.log(np.where(squares(y) > 0, squares(y), 1))
 
 
+@answers("03.6", named=False)
+def zero_close_to_the_centres(points, lam, c, x):
+    """Only at a centre the term is zero, and how close is close depends on the unit of length."""
+    y = x[:, None] - points
+    s = (y**2).sum(axis=-1)
+    factor = np.where(s > 1e-12, 2 * np.log(np.maximum(s, 1e-12)) + 2, 0)
+    return c[1:] + np.einsum("mn,mnd,n->md", factor, y, lam)
+
+
 @answers("03.6")
 def logarithm_not_differentiated(points, lam, c, x):
     """The square was differentiated, but the logarithm was not. By the product rule there are two

@@ -137,7 +137,7 @@ def tolerance_of(points, normals, tolerance):
 
 @answers("04.2", named=False)
 def default_tolerance(points, normals):
-    """The default tolerance counts normals within 10⁻¹² of meeting in a point as general."""
+    """The default tolerance counts normals within 10⁻¹⁰ of meeting in a point as general."""
     return np.linalg.matrix_rank(rows(local(points), normals))
 
 
@@ -171,6 +171,49 @@ def coarser_tolerance_relative_to_the_largest_column(points, normals):
     """Without scaling the columns differ by the unit of length."""
     s = singular_values(rows(points - points.mean(axis=0), normals))
     return np.sum(s > 1e-6 * s[0])
+
+
+@answers("04.2", named=False)
+def each_axis_by_itself(points, normals):
+    """For points within rounding of a line parallel to an axis this magnifies the rounding."""
+    moved = points - points.mean(axis=0)
+    sizes = np.ptp(moved, axis=0)
+    return np.linalg.matrix_rank(rows(moved / np.where(sizes > 0, sizes, 1), normals), tol=1e-9)
+
+
+@answers("04.2", named=False)
+def of_the_first_equations(points, normals):
+    """The first D + D² equations may depend on each other although the others do not."""
+    b = rows(local(points), normals)
+    return np.linalg.matrix_rank(b[: b.shape[1]], tol=1e-9)
+
+
+@answers("04.2", named=False)
+def smallest_extent(points, normals):
+    """The largest extent is the size of the points, not the smallest."""
+    moved = points - points.mean(axis=0)
+    return np.linalg.matrix_rank(
+        rows(moved / (np.ptp(moved, axis=0).min() or 1), normals), tol=1e-9
+    )
+
+
+@answers("04.2", named=False)
+def tolerance_of_a_millionth(points, normals):
+    """Normals that very nearly meet in a point lose a rank."""
+    return tolerance_of(points, normals, 1e-6)
+
+
+@answers("04.2", named=False)
+def by_eigenvalues_of_the_normal_matrix(points, normals):
+    """The eigenvalues are the squares of the singular values, and need the square of 10⁻⁹."""
+    b = rows(local(points), normals)
+    return np.count_nonzero(np.linalg.eigvalsh(b.T @ b) > 1e-12)
+
+
+@answers("04.2", named=False)
+def tolerance_of_the_rounding(points, normals):
+    """Normals within 10⁻¹⁰ of meeting in a point count as general."""
+    return tolerance_of(points, normals, 1e-12)
 
 
 @answers("04.2")
@@ -299,6 +342,22 @@ def scaled_together(points, c):
     """
     n = turn(flow_at(points, c))
     return n / np.linalg.norm(n)
+
+
+@answers("04.4", named=False)
+def by_slopes(points, c):
+    """Dividing by the second component of the velocity fails for a flow along the first axis."""
+    u, v = flow_at(points, c).T
+    with np.errstate(all="ignore"):
+        return unit(np.column_stack([np.ones(len(u)), -u / v]))
+
+
+@answers("04.4", named=False)
+def slow_counts_as_zero(points, c):
+    """A speed below 10⁻⁶ counts as zero, which depends on the units of length and time."""
+    u = flow_at(points, c)
+    slow = np.sqrt(np.sum(u * u, axis=1)) < 1e-6
+    return unit(turn(np.where(slow[:, None], [1.0, 0.0], u)))
 
 
 @answers("04.4", named=False)
@@ -592,7 +651,7 @@ def tolerance_for_metres(vertices):
 
 @answers("04.7", named=False)
 def default_tolerance_for_conics(vertices):
-    """The default tolerance counts points within 10⁻¹² of a conic as general."""
+    """The default tolerance counts points within 10⁻¹⁰ of a conic as general."""
     return np.linalg.matrix_rank(conic(local(vertices)))
 
 
@@ -606,6 +665,25 @@ def coarse_tolerance_for_conics(vertices):
 def tolerance_of_a_thousandth_for_conics(vertices):
     """Points close to a conic are taken for points on it."""
     return np.linalg.matrix_rank(conic(local(vertices)), tol=1e-3)
+
+
+@answers("04.7", named=False)
+def tolerance_of_a_millionth_for_conics(vertices):
+    """Points close to a conic are taken for points on it."""
+    return np.linalg.matrix_rank(conic(local(vertices)), tol=1e-6)
+
+
+@answers("04.7", named=False)
+def of_the_first_vertices(vertices):
+    """The first six vertices may be on a conic although the others are not."""
+    return np.linalg.matrix_rank(conic(local(vertices))[:6], tol=1e-9)
+
+
+@answers("04.7", named=False)
+def by_eigenvalues_of_the_conics(vertices):
+    """The eigenvalues are the squares of the singular values, and need the square of 10⁻⁹."""
+    b = conic(local(vertices))
+    return np.count_nonzero(np.linalg.eigvalsh(b.T @ b) > 1e-12)
 
 
 @answers("04.7", named=False)

@@ -65,6 +65,14 @@ def ranks_by(points, triangles, chosen, matrix=rows):
 # 05.1 edges_of
 
 
+@answers("05.1", named=False)
+def keys_of_two_digits(triangles):
+    """With a hundred vertices or more, two edges may have the same key."""
+    pairs = np.sort(np.concatenate([triangles[:, [k, k - 1]] for k in range(3)]), axis=1)
+    keys = np.unique(100 * pairs[:, 0] + pairs[:, 1])
+    return np.stack([keys // 100, keys % 100], axis=1)
+
+
 @answers("05.1")
 def third_side_missing(triangles):
     """Only two sides of each triangle are listed. A triangle with the corners (a, b, c) has three
@@ -449,6 +457,15 @@ def normals_and_places_side_by_side(midpoints, normals, x):
 
 
 # 05.8 velocity
+
+
+@answers("05.8", named=False)
+def light_equations_dropped(midpoints, normals, v, x, w):
+    """Equations of small weight are measurements too, and were dropped."""
+    k = w > 0.1 * w.max()
+    y = midpoints[k] - x
+    b = np.hstack([normals[k], y[:, :1] * normals[k], y[:, 1:] * normals[k]])
+    return np.linalg.lstsq(w[k, None] * b, w[k] * v[k], rcond=None)[0][:2]
 
 
 @answers("05.8")

@@ -608,6 +608,15 @@ def weights_instead_of_coordinates(center, rim, corners, values, x):
 
 
 @answers("07.7")
+def between_the_values(center, rim, corners, values, x):
+    """Inside the cell the values are right. Outside they were clipped to the smallest and the
+    largest given value, but (7.8) exceeds them there, since some coordinates are negative.
+    """
+    mixed = normalised(many_places(center, rim, corners, x)) @ values
+    return np.clip(mixed, values.min(), values.max())
+
+
+@answers("07.7")
 def nearest_value(center, rim, corners, values, x):
     """Each point gets the value of the nearest corner, so the field jumps from one to the next. All
     corners take part in (7.8).

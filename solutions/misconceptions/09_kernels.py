@@ -181,6 +181,15 @@ def zeros_of_the_projection(a, p):
     return np.linalg.eigvalsh(k @ a @ k)[0]
 
 
+@answers("09.2")
+def square_for_the_projection(a, p):
+    """I − P Pᵀ is a projection only if the columns of P are orthonormal, and these are not. The
+    form belongs on the null space of Pᵀ: take an orthonormal basis Z of it, and no N × N matrix.
+    """
+    k = np.eye(len(a)) - p @ p.T
+    return np.linalg.eigvalsh(k @ a @ k)[0]
+
+
 def on_the_complement(a, p, rank):
     z = np.linalg.svd(p)[0][:, rank:]
     return np.linalg.eigvalsh(z.T @ a @ z)[0]
@@ -203,6 +212,17 @@ def absolute_tolerance(a, p):
 def small_absolute_tolerance(a, p):
     """The tolerance of the text is taken as absolute: it must be relative."""
     return on_the_complement(a, p, int((np.linalg.svd(p, compute_uv=False) > 1e-10).sum()))
+
+
+@answers("09.2")
+def by_eigenvectors_of_the_square(a, p):
+    """A condition whose singular value is 4·10⁻⁹ of the largest one was ignored, but only those
+    below 10⁻¹⁰ count as zero. The eigenvalues of P Pᵀ are the squares of the singular values, and
+    become rounding errors much earlier.
+    """
+    values, vectors = np.linalg.eigh(p @ p.T)
+    z = vectors[:, values <= 1e-11 * values.max(initial=0.0)]
+    return np.linalg.eigvalsh(z.T @ a @ z)[0]
 
 
 # 09.3 Polynomials that vanish

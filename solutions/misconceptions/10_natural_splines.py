@@ -299,8 +299,8 @@ def ends_like_their_neighbours(sites, values):
     n, h = len(sites), np.diff(sites)
     if n < 3:
         return np.zeros(n)
-    a, b = np.eye(n), np.zeros(n)
-    a[0, 1] = a[-1, -2] = -1
+    a, b = np.zeros((n, n)), np.zeros(n)
+    a[0, :2], a[-1, -2:] = [h[0], -h[0]], [-h[-1], h[-1]]
     for i in range(1, n - 1):
         a[i, i - 1 : i + 2] = [h[i - 1] / 6, (h[i - 1] + h[i]) / 3, h[i] / 6]
         b[i] = (values[i + 1] - values[i]) / h[i] - (values[i] - values[i - 1]) / h[i - 1]
@@ -661,6 +661,22 @@ def divided_by_zero(knots, degree, x):
         b = [
             (x - t[i]) / (t[i + k] - t[i]) * b[i]
             + (t[i + k + 1] - x) / (t[i + k + 1] - t[i + 1]) * b[i + 1]
+            for i in range(len(t) - k - 1)
+        ]
+    return np.array(b).T
+
+
+@answers("10.7")
+def small_denominators_as_zero(knots, degree, x):
+    """Small denominators were taken as zero, by a fixed bound. Knots may be very close in the unit
+    of x, and only a denominator that *is* zero counts.
+    """
+    t, b = knots, steps(knots, x)
+    for k in range(1, degree + 1):
+        width = [t[i + k] - t[i] for i in range(len(t) - k)]
+        over = [1 / w if w > 1e-10 else 0.0 for w in width]
+        b = [
+            (x - t[i]) * over[i] * b[i] + (t[i + k + 1] - x) * over[i + 1] * b[i + 1]
             for i in range(len(t) - k - 1)
         ]
     return np.array(b).T

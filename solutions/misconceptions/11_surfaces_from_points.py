@@ -709,6 +709,18 @@ def scaled_together(x, sites, lam, c, steps):
     return stepped(x, sites, lam, c, steps, lambda f, g: -f[:, None] * g / (g * g).sum())
 
 
+@answers("11.7", named=False)
+def steps_limited(x, sites, lam, c, steps):
+    """The steps were limited to a fixed length. The unit of length must not matter."""
+    return stepped(x, sites, lam, c, steps, lambda f, g: (-f[:, None] * g / squares(g)).clip(-1, 1))
+
+
+@answers("11.7", named=False)
+def small_number_below(x, sites, lam, c, steps):
+    """A fixed number was added to the denominator. The unit of length must not matter."""
+    return stepped(x, sites, lam, c, steps, lambda f, g: -f[:, None] * g / (squares(g) + 1e-6))
+
+
 # 11.8 Marching squares
 
 CORNERS = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])

@@ -479,8 +479,8 @@ def old_part_kept_whole(K, H, f0, A, omega, steps):
 
 @answers("12.10")
 def loads_do_not_follow(K, H, f0, A, omega, steps):
-    """The loads remain those of the undeformed wing: A is missing. They must be computed again in
-    each step.
+    """The loads remain those of the undeformed wing. They must be computed again in each step, with
+    A and the displacements of the step before.
     """
     return march(
         K,
@@ -546,6 +546,19 @@ def multiplied_by_the_stiffness(K, H, f0, A, omega, steps):
 
 
 @answers("12.10")
+def stopped_when_close(K, H, f0, A, omega, steps):
+    """The iteration stopped where two iterates hardly differ, by a fixed bound. All steps are
+    required. With small steps or small loads, iterates are close long before they converge.
+    """
+
+    def step(u):
+        new = (1 - omega) * u + omega * response(K, H, f0 + A @ (H @ u))
+        return u if np.allclose(new, u) else new
+
+    return march(K, H, f0, A, omega, steps, np.zeros(len(K)), step)
+
+
+@answers("12.10")
 def the_steady_state_only(K, H, f0, A, omega, steps):
     """Every row after the first is the steady state. The function must return the iterates of
     (12.9) on the way to it.
@@ -601,6 +614,23 @@ def complex_ones_too(K, H, A):
     eigenvalue.
     """
     return 1 / growths(K, H, A).real.max()
+
+
+@answers("12.11")
+def small_imaginary_parts(K, H, A):
+    """Eigenvalues were taken as real if their imaginary part is below a fixed number. For a stiff
+    wing all eigenvalues are small. Compare with their size, or use `np.isreal`.
+    """
+    found = growths(K, H, A)
+    return 1 / found[np.abs(found.imag) < 1e-9].real.max()
+
+
+@answers("12.11", named=False)
+def small_eigenvalues_left_out(K, H, A):
+    """Eigenvalues below a fixed number were left out. A stiff wing has small eigenvalues only."""
+    found = growths(K, H, A)
+    real = found[np.isreal(found)].real
+    return 1 / max(real[real > 1e-9], default=np.inf)
 
 
 @answers("12.11")

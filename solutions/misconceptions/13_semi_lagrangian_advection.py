@@ -96,6 +96,15 @@ def always_at_time_zero(x, t, dt, flow):
     return x - dt * wind(x, 0.0, flow)
 
 
+@answers("13.1")
+def truncated_feet(x, t, dt, flow):
+    """The points are integers, and the array of the feet has the same type: `np.zeros_like`,
+    `np.empty_like` and `x.copy()` keep it. NumPy then removes all digits after the decimal point.
+    Make an array of floats, with `np.zeros(x.shape)`.
+    """
+    return (x - dt * wind(x, t, flow)).astype(x.dtype)
+
+
 # 13.2
 
 
@@ -158,6 +167,15 @@ def mean_of_both_ends(x, t, dt, flow):
 def midpoint_forward(x, t, dt, flow):
     """The scheme is right but goes forward in time. Check the signs in (13.4)."""
     return x + dt * wind(x + dt / 2 * wind(x, t, flow), t + dt / 2, flow)
+
+
+@answers("13.2")
+def truncated_feet_of_the_midpoint(x, t, dt, flow):
+    """The points are integers, and the array of the feet has the same type: `np.zeros_like`,
+    `np.empty_like` and `x.copy()` keep it. NumPy then removes all digits after the decimal point.
+    Make an array of floats, with `np.zeros(x.shape)`.
+    """
+    return (x - dt * wind(x - dt / 2 * wind(x, t, flow), t - dt / 2, flow)).astype(x.dtype)
 
 
 # 13.3
@@ -230,6 +248,15 @@ def bracket_forgotten(x, t, dt, flow):
 def went_forward(x, t, dt, flow):
     """The scheme is right but goes forward in time. Check the signs in (13.5)."""
     return four(x, t, -dt, flow)
+
+
+@answers("13.3")
+def truncated_feet_of_four_stages(x, t, dt, flow):
+    """The points are integers, and the array of the feet has the same type: `np.zeros_like`,
+    `np.empty_like` and `x.copy()` keep it. NumPy then removes all digits after the decimal point.
+    Make an array of floats, with `np.zeros(x.shape)`.
+    """
+    return (right_feet(x, t, dt, flow)).astype(x.dtype)
 
 
 # 13.5
@@ -587,7 +614,8 @@ def rounds_of(sites, u, dt, rounds, k, sign=-1.0, start=None):
 
 @answers("13.11")
 def velocity_of_arrival(sites, u, dt, rounds, k):
-    """The velocity is taken at the site in every round. In (13.10) it is taken at the last
+    """The result is that of one round, whatever the number of rounds. Either there is one round
+    only, or the velocity is taken at the site in every round. In (13.10) it is taken at the last
     approximation of the departure point.
     """
     return sites - dt * u[:, None]

@@ -529,6 +529,21 @@ def all_zero_if_one_part_is(points, triangles):
 
 
 @answers("14.6")
+def parts_joined_at_vertices(points, triangles):
+    """Triangles that share only a vertex were taken as one part: a part that is not orientable made
+    a part that it touches zero. A part is connected across edges.
+    """
+    part = np.arange(len(triangles))
+    for _ in triangles:
+        for vertex in np.unique(triangles):
+            around = (triangles == vertex).any(axis=1)
+            part[around] = part[around].min()
+    found = list(walk(triangles, lambda t, s, alike: alike))
+    one_sided = [part[t] for triangles_of_it, _, bad in found if bad for t in triangles_of_it]
+    return assembled(len(triangles), found) * ~np.isin(part, one_sided)
+
+
+@answers("14.6")
 def against_the_first(points, triangles):
     """Each triangle was compared only with earlier triangles of the list. The sign of an earlier
     triangle may not be final yet: go from neighbour to neighbour, or use `connected`.
@@ -723,8 +738,8 @@ def plane(start, end, corners):
 
 @answers("14.8")
 def the_whole_straight_line(start, end, corners):
-    """The result is that of the second condition of (14.5) alone. Then the straight line through
-    both points meets the triangle, but the segment need not reach it.
+    """Only the second condition of (14.5) was tested. It holds if the straight line through both
+    points passes through the triangle, even if the segment ends before the triangle.
     """
     one, two, three = sides_of_line(start, end, corners)
     return (one == two) & (two == three)
@@ -732,8 +747,8 @@ def the_whole_straight_line(start, end, corners):
 
 @answers("14.8")
 def the_whole_plane(start, end, corners):
-    """The result is that of the first condition of (14.5) alone. Then the segment crosses the plane
-    of the triangle, perhaps outside the triangle.
+    """Only the first condition of (14.5) was tested. It holds for every segment that crosses the
+    plane of the triangle, even if it crosses this plane outside the triangle.
     """
     p, q = plane(start, end, corners)
     return p * q < 0
@@ -741,8 +756,8 @@ def the_whole_plane(start, end, corners):
 
 @answers("14.8")
 def from_one_side_only(start, end, corners):
-    """Only segments of one direction were found: all three signs of the second condition were
-    required to be positive. For the other direction they are all negative.
+    """The three signs of the second condition of (14.5) were required to be positive. They are
+    positive for one direction of the segment, and negative for the opposite direction.
     """
     p, q = plane(start, end, corners)
     one, two, three = sides_of_line(start, end, corners)
@@ -751,7 +766,9 @@ def from_one_side_only(start, end, corners):
 
 @answers("14.8")
 def two_sides_only(start, end, corners):
-    """Only two of the three signs were compared. The segment may pass beyond the third edge."""
+    """Only two of the three signs in the second condition of (14.5) were compared. The segment may
+    then cross the plane of the triangle beyond the third edge.
+    """
     p, q = plane(start, end, corners)
     one, two, _ = sides_of_line(start, end, corners)
     return (p * q < 0) & (one == two)
@@ -759,8 +776,8 @@ def two_sides_only(start, end, corners):
 
 @answers("14.8")
 def not_round_the_triangle(start, end, corners):
-    """The edges were not taken in the order round the triangle: a to c was used in place of c to a.
-    This inverts one sign.
+    """The three edges do not follow each other around the triangle: the edge from a to c was used
+    instead of the edge from c to a. This inverts one sign of the second condition of (14.5).
     """
     a, _, c = corners.swapaxes(0, 1)
     p, q = plane(start, end, corners)

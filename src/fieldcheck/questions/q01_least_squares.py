@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Question, law, law_of_each, relative
+from fieldcheck.question import Question, law, law_of_each, relative, scale
 
 EPS = float(np.finfo(float).eps)
 
@@ -18,18 +18,44 @@ def cloud(random: np.random.Generator, n: int, d: int) -> np.ndarray:
     return random.random((n, d)) - (0.4 if d == 3 else 0)
 
 
+def whole(random: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Return n points with integer coordinates, an array of integers: the origin, one on each axis.
+
+    So they are unisolvent, and neither their mean nor a fitted coefficient is an integer.
+    """
+    axes = np.diag(random.integers(3, 9, d))
+    others = random.integers(-9, 10, (n - d - 1, d))
+    return np.concatenate([np.zeros((1, d), dtype=int), axes, others])
+
+
 # 01.1 The matrix B
 
 
 def matrix_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in the plane, in space and on the line."""
+    """Return points in the plane, in space and on the line, as many as columns, and integers."""
     random = np.random.default_rng(seed)
     sizes = (
         (7, 2, "seven points in the plane"),
         (5, 3, "five points in space"),
         (3, 1, "three points on the line"),
+        (3, 2, "three points in the plane"),
+        (4, 3, "four points in space"),
     )
-    return tuple(Call("basis_matrix", (cloud(random, n, d),), case) for n, d, case in sizes)
+    return (
+        *(Call("basis_matrix", (cloud(random, n, d),), case) for n, d, case in sizes),
+        Call("basis_matrix", (whole(random, 6, 2),), "six points of the plane, integers"),
+        Call("basis_matrix", (whole(random, 5, 3),), "five points of space, integers"),
+    )
+
+
+def in_units_of_the_points(call: Call, values: Values) -> Values:
+    """Return B for small points in a unit in which their largest coordinate is one.
+
+    Otherwise the column of ones would hide errors of small coordinates.
+    """
+    (b,), (points,) = values, call.arguments
+    unit = np.append(1.0, np.full(points.shape[1], min(1.0, scale(points))))
+    return (b / unit,)
 
 
 @law(
@@ -50,7 +76,11 @@ def spans_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> floa
 
 
 def fit_inputs(seed: int) -> tuple[Call, ...]:
-    """Return random values, values of an affine field, and as many points as coefficients."""
+    """Return random values, values of an affine field, and as many points as coefficients.
+
+    In a strip the singular values of B differ by a factor of a thousand, and none is zero. In
+    another unit of length they differ by more. One value may be far from the others.
+    """
     random = np.random.default_rng(seed)
     scattered, corner = (
         cloud(random, 12, 2),
@@ -58,11 +88,48 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
     )
     space = cloud(random, 20, 3)
     c = random.normal(size=4)
-    return calls_of(
+    cases = calls_of(
         "fit",
         ((scattered, random.normal(size=12)), "twelve points in the plane with random values"),
         ((space, c[0] + space @ c[1:]), "an affine field at twenty points in space"),
         ((corner, random.normal(size=3)), "three points in the plane"),
+        (
+            (cloud(random, 13, 2) * [1, 1e-3], random.normal(size=13)),
+            "thirteen points in a strip of width 10⁻³",
+        ),
+        (
+            (cloud(random, 15, 3) * [1e-3, 1, 1], random.normal(size=15)),
+            "fifteen points in a layer of thickness 10⁻³",
+        ),
+    )
+    return (
+        cases
+        + tuple(
+            Call("fit", (np.append(p, p[:3], axis=0), random.normal(size=len(p) + 3)), case, (0,))
+            for p, case in (
+                (scattered, "fifteen measurements at twelve points of the plane"),
+                (space, "twenty-three measurements at twenty points in space"),
+            )
+        )
+        + other_units_and_numbers(random)
+    )
+
+
+def other_units_and_numbers(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return points in another unit of length, an outlier, and arrays of integers."""
+    small, thin = (1e-5 * cloud(random, 14, d) for d in (2, 3))
+    plane, space = cloud(random, 18, 2), cloud(random, 16, 3)
+    outlier = 100.0 * np.eye(18)[7]
+    integers, more = whole(random, 9, 2), whole(random, 10, 3)
+    return calls_of(
+        "fit",
+        ((small, random.normal(size=14)), "fourteen points in a square of 10⁻⁵"),
+        ((thin, random.normal(size=14)), "fourteen points in a cube of 10⁻⁵"),
+        ((plane, random.normal(size=18) + outlier), "one value far from the others"),
+        ((space, random.normal(size=16) + outlier[2:]), "one value far from the others, in space"),
+        ((integers, random.normal(size=9)), "nine points of the plane, integers"),
+        ((more, random.normal(size=10)), "ten points of space, integers"),
+        ((more, random.integers(-9, 10, 10)), "ten points of space and their values, integers"),
     )
 
 
@@ -89,14 +156,28 @@ def residual_is_orthogonal(call: Call, values: Values) -> float:
 
 
 def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
-    """Return coefficients and evaluation points in the plane and in space."""
+    """Return coefficients and evaluation points in the plane and in space, and integers."""
     random = np.random.default_rng(seed)
-    return tuple(
+    general = tuple(
         Call(name, (random.normal(size=d + 1), random.normal(size=(m, d))), case)
         for m, d, case in (
             (6, 2, "six evaluation points in the plane"),
             (4, 3, "four evaluation points in space"),
+            (2, 2, "two evaluation points in the plane"),
+            (3, 3, "three evaluation points in space"),
+            (2, 3, "two evaluation points in space"),
+            (1, 2, "one evaluation point in the plane"),
+            (1, 3, "one evaluation point in space"),
         )
+    )
+    c, x = random.normal(size=(2, 3)), random.normal(size=(5, 2))
+    case = "of the plane, integers, one of them the origin"
+    return general + calls_of(
+        name,
+        ((c[0], whole(random, 6, 2)), f"six evaluation points {case}"),
+        ((random.normal(size=4), whole(random, 7, 3)), "seven evaluation points, integers"),
+        ((random.integers(1, 9, 3), x), "coefficients that are integers"),
+        ((c[1], np.diag(x[0])), "evaluation points on the axes"),
     )
 
 
@@ -118,10 +199,16 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
     """Return points of each rank, far from the origin, nearly on a line, and in another unit."""
     random = np.random.default_rng(seed)
     along, line = random.normal(size=(9, 1)), random.normal(size=(2, 2))
+    there_and_back = along[[0, 0, 1, 2, 3, 4, 5, 6, 7, 0]]
+    plane, space = random.random((8, 2)), random.random((9, 3))
+    plane[2] = 0.3 * plane[0] + 0.7 * plane[1]
+    space[3] = 0.3 * space[0] + 0.5 * space[1] + 0.2 * space[2]
     layer = random.normal(size=(10, 2)) @ random.normal(size=(2, 3)) + random.normal(size=3)
     cases = (
         (random.random((9, 2)), "nine points in the plane"),
         (random.random((2, 3)), "two points in space"),
+        (cloud(random, 3, 2) + np.array([[0, 0], [2, 0], [0, 2]]), "three points in the plane"),
+        (cloud(random, 4, 3) + 2 * np.eye(4, 3), "four points in space"),
         (np.array([1e7, -3e6]) + random.random((8, 2)), "eight points of the plane, 10⁷ away"),
         (np.array([2e6, 0, 1e7]) + random.random((9, 3)), "nine points in space, 10⁷ away"),
         (random.random((8, 2)) * [1, 1e-4], "eight points in a strip of width 10⁻⁴"),
@@ -136,6 +223,18 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
         (1e-9 * random.random((7, 2)), "seven points in a square of 10⁻⁹"),
         (1e-9 * random.random((8, 3)), "eight points in a cube of 10⁻⁹"),
         ([2e6, -3e5, 1e6] + random.random((9, 3)) * [1, 1, 1e-5], "a layer, 10⁶ away"),
+        (
+            (random.random((8, 2)) * [1, 1e-7]) @ [[0.8, 0.6], [-0.6, 0.8]],
+            "eight points in an oblique strip of width 10⁻⁷",
+        ),
+        (random.random((8, 2)) * [1, 3e-10], "eight points within 3·10⁻¹⁰ of a line"),
+        (random.random((9, 3)) * [1, 3e-10, 1], "nine points within 3·10⁻¹⁰ of a plane"),
+        (1e12 * random.random((7, 2)), "seven points in a square of 10¹²"),
+        (1e12 * random.random((8, 3)), "eight points in a cube of 10¹²"),
+        (
+            (random.random((12, 2)) * [1e3, 2e-4]) @ [[0.28, -0.96], [0.96, 0.28]],
+            "twelve points in a long oblique strip",
+        ),
     )
     exact = (
         (line[0] + along * line[1], "nine points on one line"),
@@ -144,6 +243,36 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
         (1000 + line[0] + along * line[1], "nine points on a line, 1000 away"),
         (1000 + layer, "ten points in one plane of space, 1000 away"),
         (1e-9 * (line[0] + along * line[1]), "nine points on a line of length 10⁻⁹"),
+        (line[0] + there_and_back * line[1], "ten points on a line, the first three times"),
+        (
+            layer[[0, *range(10), 0]],
+            "ten points in one plane of space, the first three times",
+        ),
+        (plane, "eight points of the plane, the first three on one line"),
+        (space, "nine points in space, the first four in one plane"),
+        (plane[:1], "one point of the plane"),
+        (np.stack([line[0], -line[0], 0 * line[0]]), "two opposite points, and the origin"),
+        (
+            np.column_stack([np.cos(along), np.sin(along)]) @ np.linalg.qr(layer[:3].T)[0].T[:2],
+            "nine points of space on a circle around the origin",
+        ),
+        (
+            np.append(line[0] + random.normal(size=(40, 1)) * line[1], plane[:1], axis=0),
+            "forty points on a line, and one beside it",
+        ),
+        (
+            np.append(random.random((40, 2)) @ layer[:2], layer[:1] + np.array([0, 0, 2]), axis=0),
+            "forty points in one plane of space, and one beside it",
+        ),
+        (whole(random, 7, 2), "seven points of the plane, integers"),
+        (
+            np.array([3, 1, -2]) + np.outer([0, 2, 3, 7, 9, 13], random.integers(1, 6, 3)),
+            "six points of space on one line, integers",
+        ),
+        (
+            np.array([1, 4]) + np.outer([0, 1, 3, 4, 8, 9, 13], [2, random.integers(3, 9)]),
+            "seven points of the plane on one line, integers",
+        ),
     )
     return (
         *(Call("rank", (points,), case) for points, case in cases),
@@ -182,6 +311,25 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
         ((plane, 2 * exact - data, c), "nine points with the opposite residual"),
         ((plane, exact + 3 * (data - exact), c), "nine points with three times the residual"),
         ((space, random.normal(size=6), random.normal(size=4)), "six points in space"),
+    ) + unusual_data(random)
+
+
+def unusual_data(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return repeated points, an outlier, and arrays of integers."""
+    plane, space = cloud(random, 7, 2), cloud(random, 8, 3)
+    c, d = random.normal(size=3), random.normal(size=4)
+    data = random.normal(size=8)
+    plane[4], space[5] = plane[1], space[2]
+    return (
+        Call("objective", (plane, data[:7], c), "seven points, two of them the same", (0,)),
+        Call("objective", (space, data, d), "eight points in space, two of them the same", (0,)),
+        *calls_of(
+            "objective",
+            ((plane[:4], data[:4] + 700.0 * np.eye(4)[1], c), "one value far from the others"),
+            ((space[:5], data[:5] - 900.0 * np.eye(5)[0], d), "one value far below the others"),
+            ((whole(random, 5, 2), data[:5], c), "five points, integers"),
+            ((whole(random, 6, 3), random.integers(-9, 10, 6), d), "points and values, integers"),
+        ),
     )
 
 
@@ -191,7 +339,7 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
 )
 def is_a_square(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of ψ from an even and quadratic function of the residual."""
-    once, turned, thrice, _space = (float(v) for (v,) in values)
+    once, turned, thrice = (float(v) for (v,) in values[:3])
     return max(relative(turned - once, once), relative(thrice - 9 * once, thrice))
 
 
@@ -203,6 +351,7 @@ QUESTIONS = (
         matrix_inputs,
         lambda call: ((call.arguments[0].shape[0], call.arguments[0].shape[1] + 1),),
         (spans_affine_fields,),
+        normal_form=in_units_of_the_points,
     ),
     Question(
         "01.2",

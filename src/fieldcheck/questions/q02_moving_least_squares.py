@@ -53,6 +53,8 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         ((3 * plane, 3 * x, 0.9), "the same points in another unit of length"),
         ((space, random.normal(size=3), 0.6), "five points in space"),
         ((plane, plane[2].copy(), 0.2), "an evaluation point that is one of the points"),
+        ((plane, x, 0.003), "seven points in the plane and a small ε"),
+        ((space, 10 * random.normal(size=3), 0.05), "five points in space, far away"),
     )
 
 
@@ -81,7 +83,9 @@ def unit_of_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def fit_inputs(seed: int) -> tuple[Call, ...]:
-    """Return scattered points and weights, points in space, and as many points as coefficients."""
+    """Return scattered points and weights, points in space, and as many points as coefficients;
+    also points nearly in a line or a layer, with weights of different size.
+    """
     random = np.random.default_rng(seed)
     corner = random.random((3, 2)) + np.array([[0, 0], [2, 0], [0, 2]])
     cases = (
@@ -89,9 +93,18 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
         (random.random((20, 3)) - 0.4, "twenty points in space"),
         (corner, "three points in the plane"),
     )
-    return tuple(
+    alike = tuple(
         Call("weighted_fit", (p, random.normal(size=len(p)), random.uniform(0.3, 3, len(p))), case)
         for p, case in cases
+    )
+    thinned = (([1, 1e-3], "line"), ([1e-3, 1, 1], "layer"))
+    return alike + tuple(
+        Call(
+            "weighted_fit",
+            (thin * p, random.normal(size=len(p)), 10 ** random.uniform(-2, 0, len(p))),
+            f"{case}, nearly in a {shape}, and weights from 0.01 to 1",
+        )
+        for (p, case), (thin, shape) in zip(cases[:2], thinned, strict=True)
     )
 
 
@@ -229,9 +242,13 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
             (UNIT * space, data, UNIT * y, UNIT * 0.5),
             "the points in space, all lengths a thousandth",
         ),
+        ((p, v + HIGH, x, 0.3), "the points on a circle, all values larger by 10000"),
+        ((space, data + HIGH, y, 0.5), "the points in space, all values larger by 10000"),
     )
 
 
+HIGH = 1e4
+"""A constant that changes no gradient, and from which difference quotients lose four digits."""
 UNIT = 1e-3
 CIRCLE = 24
 """The number of points on the circle for which the sum along it equals the integral."""
@@ -303,7 +320,7 @@ def leave_one_out_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     p, v = random.random((12, 2)), random.normal(size=12)
     raised = v + (np.arange(12) == 4)
-    return calls_of(
+    general = calls_of(
         "leave_one_out",
         ((p, v, 0.3), "twelve points in the plane"),
         ((p, raised, 0.3), "the same points, the fifth value raised by one"),
@@ -313,6 +330,23 @@ def leave_one_out_inputs(seed: int) -> tuple[Call, ...]:
         ),
         ((random.random((14, 3)) - 0.4, random.normal(size=14), 0.6), "fourteen points in space"),
     )
+    case = "a grid of four by three points, two of them measured twice, and values that repeat"
+    return (*general, Call("leave_one_out", (*measured_twice(random, (4, 3)), 0.3), case, (0, 1)))
+
+
+def measured_twice(
+    random: np.random.Generator, shape: tuple[int, ...]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the points of a grid, two of them twice, and values that are small whole numbers.
+
+    So neither a coordinate nor a value says which measurement it is, nor even a point.
+    """
+    grid = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1)
+    points = grid.reshape(-1, len(shape)) / 4
+    twice = np.append(points, points[[1, 6]], axis=0)
+    values = random.integers(0, 3, len(twice)).astype(float)
+    values[-2:] = values[[1, 6]] + [1.0, 2.0]
+    return twice, values
 
 
 @law(

@@ -207,17 +207,23 @@ UNIT = 1e-3
 
 
 def gradient_inputs(seed: int) -> tuple[Call, ...]:
-    """Return the inputs of the field, and the same fields with all lengths in another unit."""
+    """Return the inputs of the field, the same fields with all lengths in another unit, and both
+    with a large constant, from which difference quotients lose their digits.
+    """
     calls = field_inputs("gradient", seed)
-    scaled = []
+    scaled, raised = [], []
     for call in calls:
         points, lam, c, x = call.arguments
-        slopes = np.append(c[:1], c[1:] / UNIT)
-        case = call.case + ", all lengths a thousandth"
-        scaled.append(
-            Call("gradient", (UNIT * points, lam / UNIT**2, slopes, UNIT * x), case, (0, 3))
-        )
-    return (*calls, *scaled)
+        for unit, name in ((UNIT, "a thousandth"), (UNIT**3, "a billionth")):
+            slopes = np.append(c[:1], c[1:] / unit)
+            case = f"{call.case}, all lengths {name}"
+            scaled.append(
+                Call("gradient", (unit * points, lam / unit**2, slopes, unit * x), case, (0, 3))
+            )
+        high = c + 1e4 * (np.arange(c.size) == 0)
+        case = call.case + ", a field larger by 10000"
+        raised.append(Call("gradient", (points, lam, high, x), case, (0, 3)))
+    return (*calls, *scaled, *raised)
 
 
 @law("For a small step the change of the field must be the gradient times the step.", 1e-5)

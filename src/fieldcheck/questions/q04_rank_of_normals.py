@@ -62,6 +62,8 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
             (plane[:3] + 1, random.normal(size=(3, 2))),
             "three samples with other vectors for normals",
         ),
+        ((1e4 * plane - 3e3, directions(random, 7)), "seven samples in a square of 10⁴"),
+        ((1e-6 * space, sphere(random, 5)), "five samples in a cube of 10⁻⁶"),
     )
 
 
@@ -110,11 +112,29 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
             sphere(random, 14),
             "fourteen samples in space, 10⁷ away",
         ),
-        (points, nearly_towards(random, points, 1e-4), "normals that nearly meet in a point"),
-        (nine, nearly_towards(random, nine, 4e-5), "normals that very nearly meet in a point"),
+        (points, nearly_towards(random, points, 3e-6), "normals that nearly meet in a point"),
+        (nine, nearly_towards(random, nine, 2e-6), "normals that very nearly meet in a point"),
         (1e-10 * space, sphere(random, 14), "fourteen samples in a cube of 10⁻¹⁰"),
-        (points, nearly_towards(random, points, 1e-12), "normals within 10⁻¹² of meeting"),
-        (1e5 * nine, nearly_towards(random, nine, 1e-12), "the same in a square of 10⁵"),
+        (points, nearly_towards(random, points, 1e-10), "normals within 10⁻¹⁰ of meeting"),
+        (1e5 * nine, nearly_towards(random, nine, 1e-10), "the same in a square of 10⁵"),
+        (points * [1, 1e-12], directions(random, 8), "eight samples within 10⁻¹² of a level line"),
+        (
+            1e3 * points * [1e-12, 1],
+            directions(random, 8),
+            "eight samples, very nearly on an upright line",
+        ),
+        (
+            cloud(random, 12, 2),
+            parallel_except(random, 12, range(6, 12)),
+            "twelve samples, the first six with parallel normals",
+        ),
+        (
+            np.append(points * [0, 1], nine, axis=0),
+            directions(random, 17),
+            "seventeen samples, the first eight on a line",
+        ),
+        (points, nearly_towards(random, points, 4e-7), "normals within 10⁻⁶ of meeting"),
+        (nine, nearly_towards(random, nine, 4e-7), "nine normals within 10⁻⁶ of meeting"),
     )
     constructed = (
         (points * [0, 1] + [0.3, 0], directions(random, 8), "eight samples on an upright line"),
@@ -127,6 +147,10 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
             flat / np.sqrt((flat * flat).sum(axis=1))[:, None],
             "fourteen samples in space with horizontal normals",
         ),
+        (points[:3], parallel_except(random, 3, ()), "three samples with parallel normals"),
+        (points[:5], parallel_except(random, 5, ()), "five samples with parallel normals"),
+        (points[:4] * [0, 1], directions(random, 4), "four samples on an upright line"),
+        (points.repeat(2, axis=0)[:8], directions(random, 8), "two samples at each of four points"),
     )
     return (
         *(Call("velocity_rank", (p, n), case) for p, n, case in general),
@@ -134,7 +158,7 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-RANKS = (6, 5, 6, 6, 6, 12, 12, 6, 6, 12, 5, 5, 4, 4, 3, 5, 5, 8)
+RANKS = (6, 5, 6, 6, 6, 12, 12, 6, 6, 12, 5, 5, 4, 4, 6, 6, 6, 6, 4, 4, 3, 5, 5, 8, 3, 3, 4, 6)
 
 
 @law("The rank must be the one that is known from the construction of the samples.")
@@ -180,7 +204,24 @@ def tangent_inputs(seed: int) -> tuple[Call, ...]:
         ((nine + 1, parallel_except(random, 9, (3, 6))), "parallel normals but for two of nine"),
         ((cloud(random, 5, 2), directions(random, 5)), "five samples"),
         ((cloud(random, 5, 2) - 2, directions(random, 5)), "five samples elsewhere"),
+        (
+            (nine, across(towards(nine, np.array([0.0, random.uniform(1.2, 1.5)])))),
+            "an expansion from a point of the second axis",
+        ),
+        (
+            (nine, towards(nine, np.array([0.0, random.uniform(-0.5, -0.2)]))),
+            "a rotation about a point of the second axis",
+        ),
+        (
+            (nine, across(towards(nine, np.array([random.uniform(1.2, 1.5), 0.0])))),
+            "an expansion from a point of the first axis",
+        ),
     )
+
+
+def across(vectors: np.ndarray) -> np.ndarray:
+    """Return vectors rotated by a right angle."""
+    return vectors[:, ::-1] * [-1, 1]
 
 
 @law_of_each("The flow must not be zero, and its normal velocity must be zero at each sample.")
@@ -213,6 +254,12 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((five - 0.5, np.append(down, np.zeros(4))), "a constant flow"),
         ((five - 0.5, np.append(up, np.zeros(4))), "another constant flow"),
         ((five - [1.1, 3.0], 100 * flow(random)), "a fast flow"),
+        ((seven - [1.1, 0.0], 1e-18 * flow(random)), "a very slow flow"),
+        ((five - 0.5, 1e-8 * np.append(up, np.zeros(4))), "a slow constant flow"),
+        ((five, np.array([2.0, 0, 0, 0, 0, 0])), "a constant flow along the first axis"),
+        ((seven, np.array([-0.5, 0, 0, 0, -1.5, 0])), "a shear flow along the first axis"),
+        ((five, np.array([0, -3.0, 0, 0, 0, 0])), "a constant flow along the second axis"),
+        ((seven, np.array([0, 0.4, 0, 2.0, 0, 0])), "a shear flow along the second axis"),
     )
 
 
@@ -278,8 +325,8 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
             parallel_except(random, 7, (3, 4, 5)),
             "three other normals, one at the origin",
         ),
-        (spread, slightly_rotated(random, (0, 1, 2)), "three normals at an angle of 0.001"),
-        (spread, slightly_rotated(random, (1, 3, 5)), "three other normals at an angle of 0.001"),
+        (spread, slightly_rotated(random, (0, 1, 2)), "three normals at an angle of 10⁻⁵"),
+        (spread, slightly_rotated(random, (1, 3, 5)), "three other normals at an angle of 10⁻⁵"),
         (
             np.append(line[:4], points[:3], axis=0),
             directions(random, 7),
@@ -298,11 +345,62 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
             "two mirrored directions by turns",
         ),
         (spread, mirrored_directions(random, 7, (0, 1, 2), 1.1), "two other mirrored directions"),
+        *(
+            (spread, nearly_parallel(random, 7, (2, 5), angle), f"{which} normals up to 10⁻¹¹")
+            for angle, which in ((0.0, "level"), (0.5 * np.pi, "upright"), (2.0, "parallel"))
+        ),
+        (
+            two_bow_ties(random),
+            two_directions(random, 8, (4, 5, 6, 7), 0.9),
+            "four normals in each of two directions, at the corners of two parallelograms",
+        ),
     )
     return tuple(Call("obvious", (p, n), case) for p, n, case in cases)
 
 
-HOLDS = (1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 1, 0, 0, 1, 0, 1, 0, 1, 1, 1, 1, 1, 0, 0, 1, 1)
+HOLDS = (
+    1,
+    0,
+    0,
+    0,
+    1,
+    0,
+    0,
+    0,
+    1,
+    1,
+    0,
+    0,
+    1,
+    0,
+    0,
+    1,
+    0,
+    1,
+    0,
+    1,
+    1,
+    1,
+    1,
+    1,
+    0,
+    0,
+    1,
+    1,
+    0,
+    0,
+    0,
+    1,
+)
+
+
+def nearly_parallel(
+    random: np.random.Generator, n: int, others: Sequence[int], angle: float
+) -> np.ndarray:
+    """Return normals that are parallel up to the sign and to 10⁻¹¹, with some exceptions."""
+    small = 1e-11 * random.choice([-1, 1], n) * random.uniform(0.5, 1, n)
+    angles = angle + small + np.isin(np.arange(n), others) * random.uniform(0.5, 1, n)
+    return random.choice([-1, 1], (n, 1)) * np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 def two_directions(
@@ -323,9 +421,16 @@ def mirrored_directions(
     return random.choice([-1, 1], (n, 1)) * normals
 
 
+def two_bow_ties(random: np.random.Generator) -> np.ndarray:
+    """Return the corners of two parallelograms, in an order in which their sides cross."""
+    corners = np.array([[0, 0], [1, 1], [1, 0], [0, 1]])
+    one, two = np.eye(2) + random.uniform(-0.3, 0.3, (2, 2, 2))
+    return np.append(corners.dot(one), corners.dot(two) + random.uniform(0.3, 0.6, 2), axis=0)
+
+
 def slightly_rotated(random: np.random.Generator, others: Sequence[int]) -> np.ndarray:
     """Return seven normals of which some differ from the direction of the rest by small angles."""
-    small = 1e-3 * random.uniform(0.5, 1, 7) * np.isin(np.arange(7), others)
+    small = 1e-5 * random.uniform(0.5, 1, 7) * np.isin(np.arange(7), others)
     angles = random.uniform(0.2, 1.2) + small
     return np.column_stack([np.cos(angles), np.sin(angles)])
 
@@ -366,17 +471,25 @@ def loose(_: Call) -> float:
 
 
 def star_inputs(seed: int) -> tuple[Call, ...]:
-    """Return stars of five and three triangles, and a star far from the origin."""
+    """Return stars of three to nine triangles, one of them far from the origin."""
     random = np.random.default_rng(seed)
     calls = []
     for k, center, case in (
         (5, (0.1, -0.2), "five triangles"),
         (3, (0, 0), "three triangles"),
         (6, (4, 7), "six triangles"),
+        (7, (-0.3, 0.5), "seven triangles"),
+        (9, (1, 2), "nine triangles"),
     ):
         angles = 2 * np.pi * (np.arange(k) + random.uniform(-0.2, 0.2, k)) / k
         rays = random.uniform(0.5, 1.5, (k, 1)) * np.column_stack([np.cos(angles), np.sin(angles)])
         calls.append(Call("star_samples", (np.array(center, dtype=float), rays + center), case))
+    vertex, width, height = random.uniform(-2, 2, 2), *random.uniform(0.5, 1.5, 2)
+    steps = [[1, 0], [1, 1], [0, 1], [-1, 0], [-1, -1], [0, -1]]
+    at_right_angles = vertex + steps * np.array([width, height])
+    calls.append(Call("star_samples", (vertex, at_right_angles), "a vertex of a regular grid"))
+    tiny = 1e-9 * calls[0].arguments[1]
+    calls.append(Call("star_samples", (1e-9 * calls[0].arguments[0], tiny), "a star of 10⁻⁹"))
     return tuple(calls)
 
 
@@ -412,8 +525,9 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
     cross = np.append(
         np.outer(eight[:, 0] - 0.4, [1, 0.3]), np.outer(eight[:, 1] - 0.6, [-0.2, 1]), axis=0
     )
-    bent = np.column_stack([circle[:, 0], circle[:, 1] + 1e-4 * circle[:, 0] ** 3])
-    almost = np.column_stack([circle[:, 0], circle[:, 1] + 1e-12 * circle[:, 0] ** 3])
+    grid = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [-1, 0], [-1, -1], [0, -1]])
+    bent = np.column_stack([circle[:, 0], circle[:, 1] + 3e-6 * circle[:, 0] ** 3])
+    almost = np.column_stack([circle[:, 0], circle[:, 1] + 1e-10 * circle[:, 0] ** 3])
     general = (
         (eight, "eight points"),
         (five, "five points"),
@@ -425,8 +539,8 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
         (MAP[::-1] + cloud(random, 9, 2), "nine points, 10⁷ away"),
         (bent, "nine points close to a circle"),
         (bent.dot(shear), "nine points close to an ellipse"),
-        (almost, "nine points within 10⁻¹² of a circle"),
-        (almost.dot(shear), "nine points within 10⁻¹² of an ellipse"),
+        (almost, "nine points within 10⁻¹⁰ of a circle"),
+        (almost.dot(shear), "nine points within 10⁻¹⁰ of an ellipse"),
     )
     constructed = (
         (circle, "nine points on a circle"),
@@ -434,6 +548,14 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
         (np.column_stack([t, 1 / t]), "seven points on a hyperbola"),
         (cross, "points on two lines"),
         (in_line(random, 7)[:7], "seven points on one line"),
+        (grid, "a vertex of a regular grid with six neighbours"),
+        (3 + np.append(grid, [[-1, 1], [1, -1]], axis=0), "a vertex with eight neighbours"),
+        (np.append(circle, [[0.2, 0.1], [-0.5, 0.3]], axis=0), "nine points on a circle, two not"),
+        (
+            np.append(circle, [[0.4, -0.1]], axis=0).dot(shear),
+            "nine points on an ellipse, one inside",
+        ),
+        (in_line(random, 3)[:3], "three points on one line"),
     )
     return (
         *(Call("conic_rank", (points,), case) for points, case in general),
@@ -441,7 +563,7 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-CONIC_RANKS = (6, 5, 6, 6, 6, 6, 6, 6, 6, 6, 5, 5, 5, 5, 5, 5, 3)
+CONIC_RANKS = (6, 5, 6, 6, 6, 6, 6, 6, 6, 6, 5, 5, 5, 5, 5, 5, 3, 6, 6, 6, 6, 3)
 
 
 @law("The rank must be the one that is known from the construction of the points.")

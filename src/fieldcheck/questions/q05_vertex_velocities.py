@@ -12,6 +12,14 @@ from fieldcheck.question import Question, law, law_of_each, relative
 FITTED = 1e-8
 """Rounding tolerance of systems whose condition number is some hundreds."""
 
+AWAY = 2.0**20
+"""A distance of about a million."""
+
+
+def in_short_binary_numbers(x: np.ndarray) -> np.ndarray:
+    """Return numbers rounded to 24 binary digits after the point: they stay exact far away."""
+    return np.round(x * 2.0**24) / 2.0**24
+
 
 def mesh(random: np.random.Generator, columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
     """Return points and triangles of a jittered grid of squares, cut along either diagonal.
@@ -333,6 +341,7 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
     more = np.einsum("ak,ak->a", linear_flow(p), n)
     shift = np.array([-4.0, 3.0])
     other = samples(random, 10)
+    uneven = np.geomspace(0.03, 1, 12)
     return calls_of(
         "velocity",
         ((p, n, v, x, w), "twelve edges with velocities at random"),
@@ -342,6 +351,8 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
         ((*other[:2], random.normal(size=10), other[2], np.ones(10)), "ten edges of equal weight"),
         ((1e-3 * p, n, v, 1e-3 * x, w), "the first edges, all lengths a thousandth"),
         ((1e3 * p, n, v, 1e3 * x, w), "the first edges, all lengths times a thousand"),
+        ((p, n, v, x, uneven), "the first edges, weights from 0.03 to 1"),
+        ((p, n, v, x, uneven[::-1]), "the first edges, these weights in the reverse order"),
     )
 
 

@@ -8,7 +8,12 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, relative
-from fieldcheck.questions.q05_vertex_velocities import directions, mesh
+from fieldcheck.questions.q05_vertex_velocities import (
+    AWAY,
+    directions,
+    in_short_binary_numbers,
+    mesh,
+)
 from fieldcheck.simplices import (
     DIGITS_FAR_AWAY,
     FAR,
@@ -34,10 +39,19 @@ def obtuse(random: np.random.Generator) -> np.ndarray:
     return 0.6 * corners
 
 
-def along_the_axes(random: np.random.Generator) -> np.ndarray:
-    """Return a triangle with a horizontal and a vertical side, listed clockwise."""
+def along_the_axes(random: np.random.Generator, first: int = 0) -> np.ndarray:
+    """Return a triangle with a horizontal and a vertical side, listed clockwise.
+
+    `first` is the position of the corner with the right angle.
+    """
     corner, width, height = random.normal(size=2), *random.uniform(0.5, 1.5, 2)
-    return corner + np.array([[0.0, 0.0], [0.0, height], [width, 0.0]])
+    corners = np.array([[0.0, 0.0], [0.0, height], [width, 0.0]])
+    return np.roll(corner + corners, first, axis=0)
+
+
+def far_away(q: np.ndarray) -> np.ndarray:
+    """Return a triangle moved far from the origin, without rounding errors."""
+    return in_short_binary_numbers(q) + AWAY * np.array([1, -1])
 
 
 def cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
@@ -49,7 +63,7 @@ def cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 
 def normals_inputs(seed: int) -> tuple[Call, ...]:
-    """Return triangles of both orientations, and an obtuse one."""
+    """Return triangles of both orientations, an obtuse one, and small ones."""
     random = np.random.default_rng(seed)
     return calls_of(
         "outward_normals",
@@ -57,7 +71,8 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((triangle(random, False, 0.5),), "a smaller triangle, clockwise"),
         ((obtuse(random),), "an obtuse triangle"),
         ((along_the_axes(random),), "a triangle with two sides along the axes"),
-        ((1e-9 * triangle(random, False),), "a triangle of the size 10⁻⁹, clockwise"),
+        ((1e-12 * triangle(random, False),), "a triangle of the size 10⁻¹², clockwise"),
+        ((1e-12 * triangle(random, True),), "a triangle of the size 10⁻¹², anticlockwise"),
     )
 
 
@@ -109,7 +124,7 @@ def velocity_inputs(name: str, seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     q = triangle(random, True)
     v = normal_velocities(random, q)
-    small, wide = triangle(random, False, 0.2), obtuse(random)
+    small, wide, flat = triangle(random, False, 0.2), obtuse(random), obtuse(random) * [1, 0.05]
     return calls_of(
         name,
         ((q, v), "normal velocities at random"),
@@ -118,6 +133,8 @@ def velocity_inputs(name: str, seed: int) -> tuple[Call, ...]:
         ((wide, normal_velocities(random, wide)), "an obtuse triangle"),
         ((small, normal_velocities(random, small)), "a small triangle, clockwise"),
         ((1e-9 * small, normal_velocities(random, small)), "a triangle of the size 10⁻⁹"),
+        ((flat, normal_velocities(random, flat)), "a flat triangle"),
+        ((wide, 1e-9 * normal_velocities(random, wide)), "a very slow flow"),
     )
 
 
@@ -167,7 +184,13 @@ def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
         ((q + FAR,), "the first triangle, far from the origin"),
         ((obtuse(random) - FAR,), "an obtuse triangle, far from the origin"),
         ((triangle(random, False, 1e-3),), "a small triangle, clockwise"),
-        ((along_the_axes(random),), "a triangle with two sides along the axes"),
+        ((1e-9 * triangle(random, False),), "a triangle of the size 10⁻⁹"),
+        *(
+            ((along_the_axes(random, k),), f"two sides along the axes, from the {which} corner")
+            for k, which in enumerate(("first", "second", "third"))
+        ),
+        ((obtuse(random) * [1, 0.02],), "a flat triangle"),
+        ((obtuse(random) * [0.02, 1] + 2,), "a narrow triangle"),
     )
 
 
@@ -189,7 +212,9 @@ def truth_inputs(seed: int) -> tuple[Call, ...]:
         ((x, m, 0.0), "the same points, s = 0"),
         ((x + shift, m + shift, -0.7), "points and centre moved, s = −0.7"),
         ((m + 0 * x[:2], m, 1.3), "the centre itself"),
-        ((x[:4], m, 0.9), "four points, s = 0.9"),
+        ((x[:4], m, 0.8642), "four points, s = 0.8642"),
+        ((x[4:], m, 26.73), "two points, s = 26.73"),
+        ((x[1:], m, -31.05), "five points, s = −31.05"),
     )
 
 
@@ -229,7 +254,7 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
         ((points, triangles, 0.0), "a rotation, s = 0"),
         ((2 * points, triangles, 0.0), "the same rotation on a mesh twice as large"),
         ((points, triangles, 0.8), "an expansion, s = 0.8"),
-        ((triangle(random, True), np.array([[2, 0, 1]]), -0.5), "a single triangle, s = −0.5"),
+        ((triangle(random, True), np.array([[2, 0, 1]]), -0.537), "a single triangle, s = −0.537"),
     )
 
 
@@ -252,8 +277,9 @@ def raviart_thomas_inputs(seed: int) -> tuple[Call, ...]:
     q, v = triangle(random, True), random.normal(size=3)
     part = random.uniform(0.1, 0.9, 2)
     on = [q[1] + t * (q[2] - q[1]) for t in part]
-    return calls_of(
-        "raviart_thomas",
+    name = "raviart_thomas"
+    near = calls_of(
+        name,
         ((q, v, on[0]), "a point on the first side"),
         ((q, v, on[1]), "another point on the same side"),
         ((q, v, random.dirichlet((3, 3, 3)) @ q), "a point inside"),
@@ -262,7 +288,12 @@ def raviart_thomas_inputs(seed: int) -> tuple[Call, ...]:
             (triangle(random, False, 0.4), random.normal(size=3), random.random(2)),
             "a triangle listed clockwise",
         ),
+        ((1e-9 * q, v, 1e-9 * on[1] + 1e-10), "a triangle of the size 10⁻⁹"),
     )
+    away, x = np.split(
+        far_away(np.append(triangle(random, True), random.random((1, 2)), axis=0)), [3]
+    )
+    return (*near, Call(name, (away, v, x[0]), "a triangle 10⁶ away", exact=(0, 2)))
 
 
 @law("At every point of a side the normal velocity must be the given one.")

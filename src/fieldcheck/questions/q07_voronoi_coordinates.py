@@ -101,6 +101,8 @@ def reproduction_error(omega: np.ndarray, corners: np.ndarray, x: np.ndarray) ->
 def hexagon_inputs(seed: int) -> tuple[Call, ...]:
     """Return three centres, radii and angles; each coordinate and the angle have both signs."""
     random = np.random.default_rng(seed)
+    large = random.uniform(-90, 90, 2), random.uniform(20, 40), random.uniform(3.5, 6)
+    tiny = random.uniform(-1e-7, 1e-7, 2), random.uniform(1e-7, 2e-7), -random.uniform(3.5, 6)
     return calls_of(
         "hexagon",
         *(
@@ -121,6 +123,8 @@ def hexagon_inputs(seed: int) -> tuple[Call, ...]:
                 ),
             )
         ),
+        (large, "a radius of more than 20, turned by more than half a turn"),
+        (tiny, "a radius of the size 10⁻⁷, turned clockwise by more than half a turn"),
     )
 
 
@@ -158,15 +162,27 @@ def triangles(name: str, seed: int) -> tuple[Call, ...]:
         ((a, b, (b + c) / 2), "half of the triangle"),
         ((b, a, far), "an obtuse triangle, clockwise"),
         ((1e-9 * a, 1e-9 * c, 1e-9 * b), "a triangle of the size 10⁻⁹"),
-        ((a, a + upwards, a + sideways), "a triangle with two sides along the axes"),
+        *(
+            (
+                tuple(np.roll([a, a + upwards, a + sideways], k, axis=0)),
+                f"two sides along the axes, {words}",
+            )
+            for k, words in enumerate(("from a", "from b", "from c"))
+        ),
     )
 
 
 def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
-    """Return the triangles, and two of them far from the origin."""
+    """Return the triangles, two of them far from the origin, and two of them made thin."""
     near = triangles("circumcenter", seed)
+    flat, narrow = (
+        [part * scale for part in near[3].arguments] for scale in ([1, 0.02], [0.02, 1])
+    )
+    thin = calls_of(
+        "circumcenter", (tuple(flat), "a flat triangle"), (tuple(narrow), "a narrow triangle")
+    )
     cases = ("the first triangle, far from the origin", "an obtuse triangle far from the origin")
-    return near + moved_far_away((near[0], near[3]), cases)
+    return near + moved_far_away((near[0], near[3]), cases) + thin
 
 
 AREA_IS_HALVED = Law(
@@ -197,6 +213,8 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         x = point_outside(center, rim, corners)
         case = f"a point outside the cell of {n} neighbours"
         calls.append(Call("weights", (center, rim, corners, x), case))
+    tiny = tuple(1e-9 * part for part in calls[0].arguments)
+    calls.append(Call("weights", tiny, "six neighbours, everything of the size 10⁻⁹"))
     return tuple(calls)
 
 
@@ -230,8 +248,10 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
     calls = []
     for n, m, clockwise, case in (
         (6, 4, False, "four points in a cell of six neighbours"),
-        (3, 2, False, "two points in a cell of three neighbours"),
+        (3, 8, False, "eight points in a cell of three neighbours"),
         (7, 5, True, "five points in a cell of seven neighbours, listed clockwise"),
+        (4, 4, True, "four points in a cell of four neighbours"),
+        (5, 5, False, "five points in a cell of five neighbours"),
     ):
         center, rim, corners = star(random, n, clockwise)
         calls.append(
@@ -243,8 +263,12 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
         )
     for n, case in ((5, "points outside a cell"), (6, "points outside another cell")):
         center, rim, corners = star(random, n)
-        x = [point_outside(center, rim, corners), *points_inside(random, center, corners, 2)]
+        near = points_outside(center, corners, 1.002)[0]
+        x = [point_outside(center, rim, corners), *points_inside(random, center, corners, 2), near]
         calls.append(Call("coordinates", (center, rim, corners, np.array(x)), case))
+    for size, words in ((1e6, "10⁶"), (1e-6, "10⁻⁶")):
+        scaled = tuple(size * part for part in calls[0].arguments)
+        calls.append(Call("coordinates", scaled, f"four points in a cell of the size {words}"))
     return tuple(calls)
 
 
@@ -288,12 +312,13 @@ def spiral_inputs(seed: int) -> tuple[Call, ...]:
         ((center, corners, 12), "twelve points in an uneven cell"),
         ((middle, regular, 50), "fifty points in a regular hexagon"),
         ((other, five, 7), "seven points in an uneven pentagon"),
+        ((other, five, 170), "170 points"),
     )
 
 
 @law_of_each(
     "The vectors from the centre to the points, the nth multiplied by n, must have one length. "
-    "Each must be turned anticlockwise from the one before by 2π/N, and the last must point to the "
+    "Each must be turned anticlockwise from the one before by 2π/S, and the last must point to the "
     "right."
 )
 def winds_inwards(call: Call, values: Values) -> float:
@@ -312,7 +337,7 @@ def winds_inwards(call: Call, values: Values) -> float:
 
 
 def interpolate_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a constant field, a linear field, and random values."""
+    """Return a constant field, a linear field, and random values; also points outside of a cell."""
     random = np.random.default_rng(seed)
     calls = []
     for n, values, case in (
@@ -323,6 +348,21 @@ def interpolate_inputs(seed: int) -> tuple[Call, ...]:
         center, rim, corners = star(random, n)
         x = points_inside(random, center, corners, 4)
         calls.append(Call("interpolate", (center, rim, corners, values(corners), x), case))
+    for n in (5, 6):
+        center, rim, corners = star(random, n)
+        first_edge = (np.arange(n) < 2).astype(float)
+        x = points_outside(center, corners)
+        case = f"points outside a cell of {n} neighbours, where values may exceed those given"
+        calls.append(Call("interpolate", (center, rim, corners, first_edge, x), case))
+    for n, m, case in (
+        (4, 4, "four points and four values"),
+        (8, 1, "one point and eight values"),
+        (3, 7, "seven points and three values"),
+    ):
+        center, rim, corners = star(random, n)
+        whole = random.permutation(n) - 2
+        x = points_inside(random, center, corners, m)
+        calls.append(Call("interpolate", (center, rim, corners, whole, x), case))
     return tuple(calls)
 
 

@@ -148,7 +148,7 @@ def depends_on_directions(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def weights_inputs(seed: int) -> tuple[Call, ...]:
-    """Return stars of six and seven neighbours, the first at twice the size, and outside."""
+    """Return stars of six and seven neighbours, the first at other sizes, and points outside."""
     random = np.random.default_rng(seed)
     calls = []
     for n, case in ((4, "six neighbours"), (5, "seven neighbours")):
@@ -158,6 +158,8 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
     center, neighbors, cells, corners, x = calls[0].arguments
     double = (2 * center, 2 * neighbors, cells, 2 * corners, 2 * x)
     calls.append(Call("weights", double, "six neighbours, everything twice as large"))
+    tiny = (2.0**-20 * center, 2.0**-20 * neighbors, cells, 2.0**-20 * corners, 2.0**-20 * x)
+    calls.append(Call("weights", tiny, "six neighbours in a cell of the size 10⁻⁶"))
     for n in (4, 5):
         center, neighbors, cells, corners = star(random, n)
         x = point_outside(center, neighbors, cells, corners)

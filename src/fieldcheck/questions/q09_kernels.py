@@ -90,6 +90,9 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
         powers(squares(line, line), 2),
     )
     uneven = np.array([1.0, 3e-3, 1.0])
+    apart = np.zeros((9, 2))
+    apart[:4, 0], apart[4:, 1] = random.uniform(1, 2, 4), 2.0**-28 * random.uniform(1, 2, 5)
+    whole, sides = random.integers(-9, 10, (6, 6)), random.integers(1, 10, (6, 2))
     cases = (
         (cube, ridges(plane, 1), "the cubes of nine distances, and linear conditions"),
         (cube, ridges(plane, 0), "the cubes of nine distances, and the constant alone"),
@@ -104,6 +107,8 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
         (cube, 1e-9 * ridges(plane, 1), "the cubes, with linear conditions of the size 10⁻⁹"),
         (root, 1e-12 * ridges(other, 0), "minus the distances, with a constant of the size 10⁻¹²"),
         (cube, 1e-12 * ridges(plane, 1), "the cubes, with linear conditions of the size 10⁻¹²"),
+        (cube, apart, "the cubes, with conditions of the sizes 1 and 4 · 10⁻⁹ on different points"),
+        (whole + whole.T, sides, "a symmetric matrix and two conditions, in arrays of integers"),
     )
     return tuple(Call("least_eigenvalue", (a, p), case) for a, p, case in cases)
 
@@ -138,7 +143,7 @@ def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -
 
 def vanishing_inputs(seed: int) -> tuple[Call, ...]:
     """Return points in general position, on lines, near and on an ellipse, few, repeated, in small
-    boxes and far from the origin.
+    boxes, far from the origin, and in integers.
     """
     random = np.random.default_rng(seed)
     turn = random.uniform(0.2, 1.3)
@@ -153,6 +158,8 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
     nearer = near.copy()
     near[3] += 1e-7 * np.array([-np.sin(turn), np.cos(turn)])
     nearer[3] += 5e-9 * np.array([-np.sin(turn), np.cos(turn)])
+    circle = np.argwhere(np.add.outer(np.arange(-5, 6) ** 2, np.arange(-5, 6) ** 2) == 25)
+    whole = random.permutation(circle)[:8] + random.integers(-9, 10, 2)
     cases = (
         (cloud(random, 8, 2), 2, "eight points and the degree 2"),
         (line, 1, "six points on a line and the degree 1"),
@@ -174,10 +181,12 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
         (nearer, 1, "seven points near a line, one of them off by 5 · 10⁻⁹, and the degree 1"),
         (nearer[:, ::-1], 1, "the same with exchanged coordinates"),
         (cloud(random, 12, 2), 3, "twelve points and the degree 3"),
+        (whole, 3, "eight points on a circle, in an array of integers, and the degree 3"),
     )
     exact = (
         (cloud(random, 6, 2) * [0, 1] + [0.7, 0], 1, "six points on an upright line, degree 1"),
         (cloud(random, 7, 2) * [1, 0] - [0, 0.3], 2, "seven points on a level line, degree 2"),
+        (cloud(random, 3, 2) * [1, 0] + [0, 0.6], 2, "three points on a level line, degree 2"),
         (line + 1e4, 1, "six points on a line, 10⁴ from the origin, and the degree 1"),
         (line - 1e4, 2, "six points on a line, 10⁴ from the origin, and the degree 2"),
     )
@@ -205,7 +214,9 @@ def agrees_with_the_rank_for_another_basis(call: Call, values: Values) -> float:
 
 
 def field_inputs(seed: int) -> tuple[Call, ...]:
-    """Return values for several powers and degrees; the last evaluation points are the sites."""
+    """Return values for several powers and degrees, and one case of integers; the last evaluation
+    points are the sites.
+    """
     random = np.random.default_rng(seed)
     cases = (
         (12, 3, 1, "twelve points, cubes and the degree 1"),
@@ -227,7 +238,10 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
         )
         x = np.concatenate([random.uniform(-0.3, 1.3, (24, 2)) - shift, points])
         calls.append(Call("interpolate", (points, values, k, degree, x), case))
-    return tuple(calls)
+    lattice = random.permutation(np.argwhere(np.ones((9, 9), dtype=bool)))
+    sites, heights = lattice[:10], random.integers(-9, 10, 10)
+    x = np.concatenate([lattice[10:34] * 2 - 4, sites])
+    return (*calls, Call("interpolate", (sites, heights, 3, 1, x), "ten points of integers"))
 
 
 @law("The field must go through the values.", 1e-8)
@@ -265,7 +279,7 @@ def wendland_inputs(seed: int) -> tuple[Call, ...]:
     cases = ((3, 0), (3, 1), (1, 0), (2, 1), (5, 1), (4, 0))
     calls = []
     for d, s in cases:
-        r = np.concatenate([[0, 1], random.random(6), 1 + random.random(2)])
+        r = np.concatenate([[0, 1], random.random(6), 1 + random.random(2) * [1, 30]])
         shaped = r.reshape(2, 5) if d == 2 else r
         calls.append(Call("wendland", (shaped, d, s), f"D = {d} and s = {s}"))
     return tuple(calls)
@@ -298,7 +312,7 @@ def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 def exchange_inputs(seed: int) -> tuple[Call, ...]:
     """Return three points, the third on the left, on the right, and far away; all on one side of
-    the origin, each time on another.
+    the origin, each time on another. The last three points are integers, and m is not.
     """
     random = np.random.default_rng(seed)
     cases = (
@@ -320,7 +334,9 @@ def exchange_inputs(seed: int) -> tuple[Call, ...]:
                 case,
             )
         )
-    return tuple(calls)
+    first, step = random.integers(-9, 10, 2), 2 * random.integers(10, 30, 2) + 1
+    whole = np.array([first, first + step, first + step * [1, -1] + random.integers(1, 20, 2)])
+    return (*calls, Call("exchange_time", (whole,), "three points in an array of integers"))
 
 
 @law_of_each("At the returned time, between 0 and 1, the three points must lie on one line.")
@@ -339,15 +355,27 @@ def makes_a_flat_triangle(call: Call, values: Values) -> float:
 def slope_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     cases = ((4, "four points"), (3, "three points"), (2, "two points"))
-    return tuple(
+    calls = tuple(
         Call("slope_matrix", (3 * random.permutation(cloud(random, n, 1)[:, 0]) - 1,), case)
         for n, case in cases
+    )
+    return (
+        *calls,
+        Call("slope_matrix", (random.permutation(np.arange(4)) ** 2 - 5,), "four integers"),
     )
 
 
 def slope_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     rows = 2 * len(call.arguments[0]) + 2
     return ((rows, rows),)
+
+
+@law_of_each(
+    "Every number on the diagonal must be zero: φ(0), φ″(0), and the last two by (9.12).", 1e-12
+)
+def has_a_zero_diagonal(_: Call, values: Values) -> float:
+    (matrix,) = values
+    return relative(np.diag(matrix), 1.0)
 
 
 @law(
@@ -439,6 +467,7 @@ QUESTIONS = (
                 "The matrix must be symmetric.",
                 is_symmetric,
             ),
+            has_a_zero_diagonal,
             maps_to_values_and_slopes,
         ),
     ),

@@ -125,10 +125,13 @@ def moments_inputs(seed: int) -> tuple[Call, ...]:
         (3, 1, "three sites"),
         (2, 0, "two sites"),
     )
-    return tuple(
+    calls = [
         Call("moments", (line(random, n) - shift, random.normal(size=n)), case)
         for n, shift, case in cases
-    )
+    ]
+    sites, heights = calls[1].arguments
+    close = 2.0**-30 * sites, 2.0**-60 * heights
+    return (*calls, Call("moments", close, "five sites 10⁻⁹ apart"))
 
 
 def slopes(sites: np.ndarray, values: np.ndarray, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -289,7 +292,7 @@ def is_that_of_the_mirror_image(_: Sequence[Call], values: Sequence[Values]) -> 
 
 def b_spline_inputs(seed: int) -> tuple[Call, ...]:
     """Return knots, some of them multiple, degrees 0 to 3, and evaluation points with knots among
-    them, the last one included.
+    them, the last one included. Very close knots are not the same.
     """
     random = np.random.default_rng(seed)
     simple, double = line(random, 8), line(random, 10)
@@ -306,6 +309,11 @@ def b_spline_inputs(seed: int) -> tuple[Call, ...]:
     for t, k, case in cases:
         x = np.concatenate([random.uniform(t[0] - 0.5, t[-1] + 0.5, 9), t[[1, -3, -1]]])
         calls.append(Call("b_splines", (t, k, x), case, exact=(0, 2)))
+    t, k, x = calls[1].arguments
+    fine = 2.0**-44 * t, k, 2.0**-44 * x
+    calls.append(
+        Call("b_splines", fine, "ten knots 10⁻¹³ apart, two of them the same", exact=(0, 2))
+    )
     return tuple(calls)
 
 

@@ -217,9 +217,11 @@ def graph_inputs(seed: int) -> tuple[Call, ...]:
     uneven = np.column_stack([np.cumsum(1.3 ** np.arange(12.0)), random.uniform(0, 0.3, 12)])[
         random.permutation(12)
     ]
+    square = random.uniform(size=(14, 2))
     return calls_of(
         "linked",
-        ((random.uniform(size=(14, 2)), 4), "points in a square"),
+        ((square, 4), "points in a square"),
+        ((2.0**-34 * square, 4), "points in a square of the size 10⁻¹⁰"),
         ((uneven, 3), "points that are dense at one end of a line"),
         ((random.normal(size=(11, 3)), 3), "points in space"),
         ((np.vstack([oval(random, 8), oval(random, 6) + 9]), 3), "two ovals"),

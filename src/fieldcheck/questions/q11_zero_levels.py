@@ -132,8 +132,14 @@ def gradient_is_that_of_the_values(calls: Sequence[Call], values: Sequence[Value
     return worst
 
 
+def in_another_unit(size: float, x: np.ndarray, *function: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return points and a function (11.7), of the same values, in another unit of length."""
+    sites, weights, plane = function
+    return size * x, size * sites, weights / size**3, np.append(plane[0], plane[1:] / size)
+
+
 def newton_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points near a zero level, with one, two and enough steps."""
+    """Return points near a zero level, with one, two and enough steps, in two units of length."""
     random = np.random.default_rng(seed)
     plane, space = body(random, 2, 5), body(random, 3, 4)
     x = near_diagonals(random, 6, 2)
@@ -142,6 +148,8 @@ def newton_inputs(seed: int) -> tuple[Call, ...]:
         ((x, *plane, 5), "five steps in the plane"),
         ((x, *plane, 1), "one step in the plane"),
         ((near_diagonals(random, 5, 3), *space, 2), "two steps in space"),
+        ((*in_another_unit(2.0**10, 0.6 * x, *plane), 2), "two steps, with lengths of about 1000"),
+        ((*in_another_unit(2.0**-20, x, *plane), 2), "two steps, with lengths of about 10⁻⁶"),
     )
 
 
@@ -170,7 +178,7 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
     return calls_of(
         "pieces",
         ((signs * random.uniform(0.2, 1.0, (12, 4)),), "twelve squares"),
-        ((1e-3 * signs[::-1] * distance,), "the same kinds with small values"),
+        ((2.0**-34 * signs[::-1] * distance,), "the same kinds with values of the size 10⁻¹⁰"),
     )
 
 

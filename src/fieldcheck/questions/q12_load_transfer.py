@@ -33,6 +33,7 @@ def meshes(name: str, seed: int) -> tuple[Call, ...]:
     triangle = np.array([[0.0, 0.0], [2.0, 0.3], [0.4, 1.7]]) + random.uniform(-0.2, 0.2, (3, 2))
     turned = np.column_stack([-plane[:, 1], plane[:, 0]])
     x = random.uniform(-0.2, 1.4, (5, 2))
+    beside = random.uniform(0.5, 1, (3, 2)) * np.array([[1e-3], [1e-4], [1e-6]])
     return calls_of(
         name,
         ((plane, x), "twelve nodes in the plane"),
@@ -41,6 +42,7 @@ def meshes(name: str, seed: int) -> tuple[Call, ...]:
         ((line, random.uniform(-0.5, 2.5, (6, 1))), "five nodes on the line"),
         ((triangle, random.uniform(0, 1, (3, 2))), "three nodes in the plane"),
         ((plane, plane[[4, 0, 7]]), "points that are nodes"),
+        ((plane, plane[[4, 0, 7]] + beside), "points 10⁻³, 10⁻⁴ and 10⁻⁶ beside nodes"),
     )
 
 
@@ -62,7 +64,7 @@ def integrates_to_the_change_of_weights(calls: Sequence[Call], values: Sequence[
 
     Between the nodes the slopes are polynomials of degree two, for which Gauss quadrature is exact.
     """
-    line, ((g,),) = calls[6].arguments[0][:, 0], values[6]
+    line, ((g,),) = calls[-1].arguments[0][:, 0], values[-1]
     change = (line[2] - line[1]) / 2 * g.sum(axis=0)
     return float(np.abs(change - [0.0, -1.0, 1.0, 0.0, 0.0]).max())
 

@@ -36,9 +36,13 @@ def wing(random: np.random.Generator, n: int, m: int) -> tuple[np.ndarray, ...]:
 
 
 def iterates_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a section with and without relaxation, with a rear centre of pressure, and a wing."""
+    """Return a section with and without relaxation, with a rear centre of pressure, and a wing.
+
+    Tiny loads, and many small steps, show an answer that stops when the iterates hardly change.
+    """
     random = np.random.default_rng(seed)
     one, behind, chain = section(random, 0.25), section(random, 0.9), wing(random, 3, 5)
+    k, h, rest, slope = chain
     name = "iterates"
     return calls_of(
         name,
@@ -47,6 +51,8 @@ def iterates_inputs(seed: int) -> tuple[Call, ...]:
         ((*behind, 0.7, 5), "a section with the centre of pressure behind the elastic axis"),
         ((*chain, 0.8, 4), "a chain of three nodes"),
         ((*wing(random, 4, 6), 1.1, 3), "a chain of four nodes"),
+        ((k, h, 1e-12 * rest, slope, 0.8, 4), "a chain of three nodes under tiny loads"),
+        ((*one, 0.15, 240), "a section with 240 small steps"),
     )
 
 
@@ -84,6 +90,7 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
     frame, other_frame = (np.linalg.qr(random.normal(size=(4, 4)))[0] for _ in range(2))
     faster = np.diag([0.3, 0.5, 1.2, 0.2])
     faster[1:3, 1:3] = [[0.9, 2.5], [-2.5, 0.9]]
+    spinning = np.diag(random.uniform(2, 3, 4)), other_frame, other_frame @ faster @ other_frame.T
     return calls_of(
         "divergence",
         ((k, h, slope), "a section on one spring"),
@@ -93,12 +100,12 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
             "four nodes with two complex eigenvalues",
         ),
         (
-            (
-                np.diag(random.uniform(2, 3, 4)),
-                other_frame,
-                other_frame @ faster @ other_frame.T,
-            ),
+            spinning,
             "four nodes with complex eigenvalues of large real part",
+        ),
+        (
+            (2.0**40 * spinning[0], *spinning[1:]),
+            "four stiff nodes with complex eigenvalues of large real part",
         ),
         (tuple(part[::-1, ::-1] for part in both), "two sections, the first with negative λ"),
         (

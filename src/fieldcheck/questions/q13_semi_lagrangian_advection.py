@@ -32,13 +32,23 @@ def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
     """Return points in the three flows, and in the vortex with half the time step."""
     random = np.random.default_rng(seed)
     x, dt, t = in_disc(random, 8), random.uniform(0.03, 0.05), random.uniform(0.2, 0.4)
+    integers = np.vstack([[[0, 0], [2, 0], [0, -1]], random.integers(-3, 4, (3, 2))])
     return calls_of(
         name,
         ((x, t, dt, 1), "eight points in the vortex"),
         ((x, t, dt / 2, 1), "the same points with half the step"),
         ((x, t, 2 * dt, 0), "eight points in the solid rotation"),
         ((0.9 * in_square(random, 2), t, 3 * dt, 2), "four points in the deformation flow"),
+        ((integers, t, dt, 1), "points that are an array of integers, in the vortex"),
+        ((integers, t, dt, 0), "points that are an array of integers, in the solid rotation"),
+        (
+            (CORNERS * random.uniform(0.55, 0.65, (4, 2)), 0.0, 0.9, 2),
+            "a long step from the time 0 in the deformation flow",
+        ),
     )
+
+
+CORNERS = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
 
 
 def vortex_error(call: Call, feet: np.ndarray) -> float:
@@ -110,6 +120,7 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     sites, few = in_square(random, 5), in_square(random, 3)
     line = np.arange(8)[:, None] / 7 + random.uniform(-0.04, 0.04, (8, 1))
+    beside = random.uniform(0.5, 1, (3, 2)) * np.array([[1e-3], [1e-4], [1e-6]])
     name = "step_matrix"
     return calls_of(
         name,
@@ -117,6 +128,18 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
         ((few, random.uniform(-1.2, 1.2, (4, 2)), 9), "four feet with all nine sites"),
         ((sites, sites[[7, 0, 18]], 8), "three feet that are sites"),
         ((line, random.uniform(-0.1, 1.1, (5, 1)), 4), "five feet on a line, with four sites each"),
+        ((sites, sites[[6, 12, 17]] + beside, 8), "feet 10⁻³, 10⁻⁴ and 10⁻⁶ beside sites"),
+        ((few, random.uniform(-1, 1, (11, 2)), 6), "more feet than sites"),
+        (
+            (2.0**-8 * sites, 2.0**-8 * random.uniform(-1, 1, (3, 2)), 9),
+            "sites at distances of about 10⁻³",
+        ),
+        ((few, random.uniform(4, 6, (2, 2)), 7), "feet far outside the sites"),
+        (
+            (random.integers(-200, 201, (12, 2)), random.integers(-200, 201, (3, 2)), 7),
+            "sites and feet that are arrays of integers",
+        ),
+        ((200 * sites, random.integers(-200, 201, (3, 2)), 7), "feet that are integers"),
     )
 
 
@@ -172,6 +195,7 @@ def advect_inputs(seed: int) -> tuple[Call, ...]:
         ((disc, np.full(24, 2.5), dt, 2, 1, 8), "a constant in the vortex"),
         ((disc, random.normal(size=24), 2 * dt, 3, 1, 8), "a field in the vortex"),
         ((square, random.normal(size=16), 3 * dt, 2, 2, 9), "a field in the deformation flow"),
+        ((disc, random.integers(-20, 20, 24), dt, 2, 1, 8), "values that are an array of integers"),
     )
 
 
@@ -221,7 +245,21 @@ def bounds_inputs(seed: int) -> tuple[Call, ...]:
         ),
         ((sites, u + 5, feet), "the first points with a field that is larger by five"),
         ((sites, u - 5, feet), "the first points with a field that is smaller by five"),
+        (
+            (
+                random.integers(-999, 1000, (11, 2)),
+                *(random.normal(size=11), random.integers(-999, 1000, (5, 2))),
+            ),
+            "sites and feet that are arrays of integers",
+        ),
+        (
+            (0.1 * sites + FAR, u, 0.1 * feet + FAR),
+            "sites and feet far from the origin",
+        ),
     )
+
+
+FAR = np.array([2.0**16, -(2.0**17)])
 
 
 @law("Adding a number to the field must add it to both bounds.")
@@ -277,6 +315,8 @@ def mass_inputs(seed: int) -> tuple[Call, ...]:
     low, high = u - random.uniform(0.1, 0.4, 8), u + random.uniform(0.1, 0.4, 8)
     more, less = float(m @ (0.3 * u + 0.7 * high)), float(m @ (0.25 * u + 0.75 * low))
     outside = np.clip(u, -0.5, 0.5)
+    beyond = u + np.array([1.0, -1, 0, 0, 0, 0, 0, 0]) / m
+    integers, areas = random.integers(-20, 21, 7), random.integers(1, 9, 7)
     name = "with_mass"
     return calls_of(
         name,
@@ -285,10 +325,23 @@ def mass_inputs(seed: int) -> tuple[Call, ...]:
         ((u + 5, low + 5, high + 5, m, less + 5 * float(m.sum())), "a mass that must shrink"),
         ((u, outside - 0.2, outside + 0.2, m, float(m @ outside)), "values beyond their bounds"),
         ((u, low, high, m, float(m @ u)), "a mass that is right already"),
+        (
+            (beyond, u - 0.3, u + 0.3, m, float(m @ beyond)),
+            "values beyond bounds, of the right mass",
+        ),
         ((u, u - 900, u + 900, m, float(m @ u + 300 * m.sum())), "a mass that must grow a lot"),
         ((u, u - 90, u + 90, m, float(m @ u - 50 * m.sum())), "a mass that must shrink a lot"),
         ((u + 50, low, high, m, more), "values far above their bounds"),
         ((u - 40, low, high, m, less), "values far below their bounds"),
+        (
+            (u, u - 9000, u + 9000, m, float(m @ u + 3500 * m.sum())),
+            "values that must grow by thousands",
+        ),
+        ((u, low, high, m, float(m @ u) + 1e-4), "a mass that must grow a little"),
+        (
+            (integers, integers - 4, integers + 5, areas, int(integers @ areas) + 11),
+            "values, bounds and areas that are arrays of integers",
+        ),
     )
 
 
@@ -321,13 +374,20 @@ def burgers_inputs(seed: int) -> tuple[Call, ...]:
     x = np.arange(9)[:, None] / 4 - 1 + random.uniform(-0.06, 0.06, (9, 1))
     wave = np.sin(2 * x[:, 0] + random.uniform(0, 1))
     rising = random.uniform(0.5, 0.8) * x[:, 0] + random.uniform(0.3, 0.6)
-    dt, name = random.uniform(0.4, 0.6), "burgers_feet"
+    dt, name, order = random.uniform(0.4, 0.6), "burgers_feet", random.permutation(9)
     return calls_of(
         name,
         ((x, rising, dt, 5, 4), "a linear field and five rounds"),
         ((x, rising, dt, 1, 4), "a linear field and one round"),
         ((x, wave, dt / 2, 3, 5), "a wave and three rounds"),
         ((x, np.full(9, 0.7), dt, 2, 4), "a constant"),
+        ((x[order], wave[order], dt / 2, 3, 5), "the same wave, its sites in another order"),
+        ((x, 3 * x[:, 0] + 0.1, dt, 7, 4), "a linear field and rounds that diverge"),
+        ((x, wave, 3 * dt, 1, 5), "a wave and one long step"),
+        (
+            (np.cumsum(random.integers(2, 6, 8))[:, None], random.normal(size=8), dt, 2, 4),
+            "sites that are an array of integers",
+        ),
     )
 
 

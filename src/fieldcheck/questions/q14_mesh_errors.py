@@ -64,6 +64,13 @@ def ring(rows: int = 4, columns: int = 6) -> Surface:
     )
 
 
+def bottle(rows: int = 4, columns: int = 6) -> Surface:
+    """Return a Klein bottle: a closed surface without an inside, with crossings in space."""
+    numbers = np.arange(rows * columns).reshape(rows, columns)
+    closed = np.vstack([numbers, numbers[:1]])
+    return ring(rows, columns)[0], net(np.hstack([closed, closed[::-1, :1]]))
+
+
 def band(twists: int, columns: int = 12) -> Surface:
     """Return a closed strip with half twists; one half twist gives the Möbius strip."""
     grid = np.meshgrid(
@@ -256,12 +263,14 @@ def loop_inputs(seed: int) -> tuple[Call, ...]:
         "a sphere with a wall inside": walled(),
         "a sphere with a wall inside and a hole": without(walled(), 24),
         "two spheres that share an edge": fused(joined(*2 * [ball(2, 5)]), (0, 12), (1, 13)),
+        "a sheet with a long boundary": sheet(9, 11),
+        "a sphere with a wall inside, and a hole that meets its edge": without(walled(), 0),
     }
     made = {case: shuffled(random, surface, 3) for case, surface in surfaces.items()}
     return tuple(Call("boundary_loops", (len(p), t), case) for case, (p, t) in made.items())
 
 
-LENGTHS = ((14,), (3, 4), (6, 6), (12,), (), (8, 8), (), (3,), ())
+LENGTHS = ((14,), (3, 4), (6, 6), (12,), (), (8, 8), (), (3,), (), (40,), (3,))
 
 
 @law(

@@ -13,6 +13,7 @@ from fieldcheck.questions.q14_mesh_errors import (
     ball,
     band,
     flipped,
+    fused,
     joined,
     ring,
     sheet,
@@ -53,6 +54,10 @@ def chain(random: np.random.Generator, n: int, d: int, tolerance: float) -> np.n
     return points[np.append([0, 1, 2], 3 + random.permutation(n - 3))] + random.normal(size=d)
 
 
+BESIDE = np.array([[0.0, 0, 0], [3, 4, 0], [9, 0, 0], [9, 3, 4], [20, 0, 0], [20, 0, 6]])
+"""Points whose distances are exact: 5 and 6."""
+
+
 def weld_inputs(seed: int) -> tuple[Call, ...]:
     """Return points with exact copies, near copies, far from the origin, and without copies."""
     random = np.random.default_rng(seed)
@@ -72,6 +77,10 @@ def weld_inputs(seed: int) -> tuple[Call, ...]:
             "points with near copies, far from the origin",
         ),
         Call("weld", (cloud, 1e-6), "nine points without copies"),
+        Call("weld", (BESIDE, 5.0), "points whose distance is the tolerance 5", exact=(0, 1)),
+        Call("weld", (BESIDE.astype(int), 5), "points that are an array of integers", exact=(0, 1)),
+        Call("weld", (2.0**-30 * close, 0.0), "close points, and the tolerance zero", exact=(0,)),
+        Call("weld", (copies(random, 60, 1e-3), 1e-3), "many points with near copies"),
     )
 
 
@@ -116,6 +125,12 @@ def turn_inputs(seed: int) -> tuple[Call, ...]:
         "a sheet without inverted triangles": sheet(2, 2),
         "a Möbius strip and a sphere": flipped(random, joined(band(1, 6), ball(2, 4))),
         "three spheres": flipped(random, joined(ball(1, 4), ball(2, 3), ball(1, 5))),
+        "a Möbius strip and a sphere that share a vertex": flipped(
+            random, fused(joined(band(1, 6), ball(2, 4)), (2, 20))
+        ),
+        "two spheres that share a vertex": flipped(
+            random, fused(joined(ball(2, 3), ball(2, 4)), (1, 10))
+        ),
     }
     calls = []
     for case, surface in surfaces.items():
@@ -126,7 +141,7 @@ def turn_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
-ONE_SIDED = (0, 0, 0, 0, 24, 0)
+ONE_SIDED = (0, 0, 0, 0, 24, 0, 24, 0)
 """The number of triangles of these surfaces that belong to a one-sided part."""
 
 
@@ -194,8 +209,15 @@ HEIGHTS = (
     *3 * ((1, 8e-4, 0.002),),
     (10, 1e-6, 0.4),
     (0.003, 2.5e-3, 0.5),
+    (1, 1.0003e-3, 0.4),
+    (1, 0.9997e-3, 0.6),
 )
 """Base, height and foot of the triangles that are tested with a tolerance of 0.001."""
+
+
+LEVEL = np.array([[0.0, 0, 0], [4, 0, 0], [1, 0.5, 0], [2, 0.75, 0], [0, 0, 4], [0, 0.5, 2]])
+LEVEL_NAMES = np.array([[0, 1, 2], [3, 0, 1], [4, 5, 0], [1, 2, 0]])
+"""Triangles of the height 0.5, and one of the height 0.75, whose numbers are exact."""
 
 
 def flat_inputs(seed: int) -> tuple[Call, ...]:
@@ -232,10 +254,19 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
             "equal corners, and the tolerance zero",
             exact=(0,),
         ),
+        Call(
+            "flat", (LEVEL, LEVEL_NAMES, 0.5), "heights of exactly 0.5, the tolerance", exact=(0, 2)
+        ),
+        Call(
+            "flat",
+            ((4 * LEVEL).astype(int), LEVEL_NAMES, 2),
+            "points that are an array of integers, with heights of exactly 2, the tolerance",
+            exact=(0, 2),
+        ),
     )
 
 
-FLAT_OF_HEIGHTS = (0, 0, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 0, 0, 0, 1, 1, 1, 1, 0)
+FLAT_OF_HEIGHTS = (0, 0, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 0, 0, 0, 1, 1, 1, 1, 0, 0, 1)
 FLAT = (
     (*FLAT_OF_HEIGHTS, 1, 1, 1, 0),
     FLAT_OF_HEIGHTS,
@@ -243,6 +274,8 @@ FLAT = (
     FLAT_OF_HEIGHTS,
     FLAT_OF_HEIGHTS,
     (0, 1, 1, 1, 0),
+    (1, 0, 1, 1),
+    (1, 0, 1, 1),
 )
 
 
@@ -265,6 +298,10 @@ THROUGH = (
     (0.6, 0.7, 0.8, -0.3),
     (0.2, 0.1, -0.6, 0.5),
     (-0.2, -0.3, 0.4, -0.4),
+    (0.0004, 0.5, 0.6, -0.5),
+    (-0.0004, 0.5, 0.6, -0.5),
+    (0.3, 0.4, 0.6, -3e-7),
+    (0.4, 0.3, 0.6, 3e-7),
 )
 """Two coordinates in the plane of a triangle, and the heights of both ends."""
 
@@ -274,10 +311,10 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     calls = []
     for case, size, middle in (
-        ("ten segments and triangles", 1.0, 0.0),
-        ("ten small segments and triangles away from the origin", 1e-3, 5.0),
+        ("fourteen segments and triangles", 1.0, 0.0),
+        ("fourteen small segments and triangles away from the origin", 2.0**-18, 5.0),
     ):
-        corners = random.normal(size=(10, 3, 3))
+        corners = random.normal(size=(len(THROUGH), 3, 3))
         corners[:, 1:] = (
             corners[:, :1] + np.array([[[2.0, 0.3, 0], [0.4, 1.7, 0.2]]]) + 0.2 * corners[:, 1:]
         )
@@ -291,11 +328,11 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
             Call("pierced", (*(middle + size * e for e in ends), middle + size * corners), case)
         )
     for case, axes, offset in (
-        ("segments that end in the plane or lie in it", [0, 1, 2], 0),
-        ("segments that end in an upright plane or lie in it", [2, 0, 1], 3),
+        ("segments that end in the plane or lie in it", [0, 1, 2], 0.0),
+        ("segments that end in an upright plane or lie in it, as integers", [2, 0, 1], 3),
     ):
         start, end, triangle = (
-            np.array(numbers, dtype=float)[..., axes] + offset for numbers in (FROM, TO, TRIANGLE)
+            np.array(numbers)[..., axes] + offset for numbers in (FROM, TO, TRIANGLE)
         )
         corners = np.tile(triangle, (len(start), 1, 1))
         calls.append(Call("pierced", (start, end, corners), case, exact=(0, 1, 2)))
@@ -306,7 +343,7 @@ TRIANGLE = ((0, 0, 0), (4, 0, 0), (0, 4, 0))
 FROM = ((1, 1, 2), (1, 1, 0), (1, 2, -3), (5, 5, 0), (5, 1, 2), (1, 1, 3), (-3, -1, 0), (2, 1, -1))
 TO = ((1, 1, -2), (1, 1, 3), (1, 2, 0), (6, 7, 0), (5, 1, -2), (1, 2, 1), (-1, -2, 0), (1, 1, 1))
 """Ends of segments about this triangle."""
-THROUGH_OR_NOT = (1, 1, 0, 0, 0, 0, 0, 0, 1, 0)
+THROUGH_OR_NOT = (1, 1, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 1, 0)
 IN_THE_PLANE_OR_NOT = (1, 0, 0, 0, 0, 0, 0, 1)
 GOES_THROUGH = (*2 * (THROUGH_OR_NOT,), *2 * (IN_THE_PLANE_OR_NOT,))
 

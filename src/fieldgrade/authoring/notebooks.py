@@ -63,6 +63,7 @@ def execute(notebook: nbformat.NotebookNode) -> nbformat.NotebookNode:
             timeout=SECONDS_PER_CELL,
             kernel_name="python3",
             record_timing=False,
+            coalesce_streams=True,  # a busy kernel sends one text in several pieces
             resources={"metadata": {"path": folder}},
             extra_arguments=["--log-level=ERROR"],
         ).execute(env=with_pins(pins()) | ENVIRONMENT)

@@ -109,14 +109,22 @@ def made_by(root):
     return {q: course.made_by(q) for q in asked} | checks
 
 
-ALL = {"01.3", "01.3 public cases", "01.3 own inputs"}
+ALL = {
+    "01.3",
+    *(f"01.3 {check}" for check in ("public cases", "own inputs", "values in other units")),
+}
 
 
 @pytest.mark.parametrize(
     ("file", "old", "new", "concerned"),
     [
         ("grading", "1e5 * line", "1e6 * line", {"01.4", "01.4 tiny and huge"}),
-        ("grading", "every dimension", "each dimension", {"01.2", "01.2 in four dimensions"}),
+        (
+            "grading",
+            "every dimension, and for other",
+            "each dimension, and for other",
+            {"01.2", "01.2 in four dimensions"},
+        ),
         ("misconceptions", "def slopes_only", "def only_slopes", ALL),
         ("grading", '"""What only', '"""What just', set()),
     ],
