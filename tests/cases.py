@@ -22,6 +22,7 @@ from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.functionals import values_at
 from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.mean import Mean
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.natural_splines import NaturalCubicSpline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
@@ -162,6 +163,22 @@ class PatchesCase(Case):
                 total += weight * s(x[own == i][0])
                 weights += weight
         return total / weights
+
+
+@dataclass(frozen=True)
+class MeanCase(Case):
+    """The mean of the methods of several cases on the same sites."""
+
+    parts: tuple[Case, ...] = ()
+
+    @property
+    def turn(self) -> np.ndarray:
+        """That of one of the parts."""
+        return self.parts[0].turn
+
+    def without(self, i: int) -> float:
+        """The mean of the values of the parts."""
+        return sum(part.without(i) for part in self.parts) / len(self.parts)
 
 
 def flattened(x: np.ndarray) -> np.ndarray:
@@ -586,6 +603,42 @@ def metric_cases() -> Iterator[Case]:
     )
 
 
+def mean_of(*parts: Case, units: tuple[float, ...] = EXTREME_UNITS) -> MeanCase:
+    def make(p: np.ndarray, unit: float) -> Mean:
+        return Mean(p, [lambda q, part=part: part.make(q, unit) for part in parts])
+
+    names = ", ".join(part.name for part in parts)
+    return MeanCase(
+        f"mean of {names}", make, parts[0].d, parts[0].n, exact=FLAT, units=units, parts=parts
+    )
+
+
+def mean_cases() -> Iterator[Case]:
+    """Means of methods of equal and of different degrees, with dense and with sparse weights."""
+    plane = Case("LS degree 1", lambda p, _: LeastSquares(p, 1), 2, SITES[2])
+    cubic = Case("RBF r³", lambda p, _: RBF(p, polyharmonic(3), 2), 2, SITES[2])
+    yield mean_of(cubic, plane)
+    n = 180
+    patches = PatchesCase(
+        "PU r³", lambda p, _: PartitionOfUnityRBF(p, polyharmonic(3), 1, 25), 3, n
+    )
+    moving = Case("MLS", lambda p, _: MovingLeastSquares(p, wendland(3, 1), 1, 10), 3, n)
+    yield mean_of(patches, moving)
+    rough = PatchesCase(
+        "PU r smoothed",
+        lambda p, u: PartitionOfUnityRBF(p, polyharmonic(1), 0, 16, 1e-3 * u),
+        2,
+        130,
+    )
+    plates = PatchesCase(
+        "PU plates smoothed",
+        lambda p, u: PartitionOfUnityRBF(p, thin_plate_spline(), 1, 16, 1e-3 * u**2),
+        2,
+        130,
+    )
+    yield mean_of(rough, plates, units=SMOOTHED_UNITS)
+
+
 CASES = [
     *least_squares_cases(),
     *moving_cases(),
@@ -594,6 +647,7 @@ CASES = [
     *spline_cases(),
     *partition_cases(),
     *metric_cases(),
+    *mean_cases(),
     *polytope_cases(),
 ]
 

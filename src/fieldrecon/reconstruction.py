@@ -346,6 +346,15 @@ class Reconstruction(ABC):
         return moments
 
 
+def as_maker(
+    method: Callable[..., Reconstruction] | Reconstruction,
+) -> Callable[..., Reconstruction]:
+    """A function of points (n, d): the given one, or one that makes the method again on them."""
+    if isinstance(method, Reconstruction):
+        return partial(method._made, **method._arguments())
+    return method
+
+
 def weights_if_they_fit(method: Reconstruction, x: np.ndarray) -> Weights | None:
     """The weights at x, or None where they are dense and too large to keep."""
     try:

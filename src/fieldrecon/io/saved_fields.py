@@ -7,9 +7,10 @@ A file is an NPZ archive of plain arrays, no pickles:
 - ``points`` (n, d) and ``values`` (n, ...): the sites and the data.
 
 ``method`` is an object of ``name`` (the class) and the other arguments of its constructor; a kernel
-is an object of ``name`` and its parameters, an array is nested lists, and the method within
-`OnGlobe` is an argument. A loaded field is fitted again. Its values are identical with the same
-versions of NumPy and SciPy on the same kind of processor, and equal up to rounding elsewhere.
+is an object of ``name`` and its parameters, an array is nested lists, and the methods within
+`OnGlobe` and `Mean` are arguments. A loaded field is fitted again. Its values are identical with
+the same versions of NumPy and SciPy on the same kind of processor, and equal up to rounding
+elsewhere.
 
 In files of version 1, patches whose sites are in special position (on a line or a circle, say) were
 fitted with other polynomials, and of equally distant sites the first ones were taken. They are read
@@ -151,6 +152,8 @@ def _content(path: str | Path) -> tuple[dict[str, Any], np.ndarray, np.ndarray]:
 
 def _has_patches(described: object) -> bool:
     """Whether a described method is, or contains, one on patches."""
+    if isinstance(described, list):
+        return any(map(_has_patches, described))
     if not isinstance(described, Mapping):
         return False
     patches = described.get("name") == PartitionOfUnityRBF.__name__
@@ -176,6 +179,8 @@ def description(method: Reconstruction) -> dict[str, Any]:
 
 
 def _argument(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [_argument(one) for one in value]
     if isinstance(value, Reconstruction):
         return description(value)
     if not isinstance(value, Radial):
@@ -202,8 +207,10 @@ def _method(described: Mapping[str, Any], points: np.ndarray) -> Reconstruction:
 
 
 def _restored(value: Any) -> Any:
-    """An argument from its description: an array, a kernel, a function of points, or itself."""
+    """An argument from its description: an array, a kernel, functions of points, or itself."""
     if isinstance(value, list):
+        if value and all(isinstance(one, Mapping) for one in value):
+            return [_restored(one) for one in value]
         return np.array(value)
     if not isinstance(value, Mapping):
         return value

@@ -2,14 +2,15 @@
 
 Least squares and moving least squares (Erleben, Field Reconstruction, p. 3-10), augmented radial
 basis functions (p. 11-13), the same on overlapping patches for millions of points, data of any kind
-(Hermite), natural cubic splines (Wendland (2005), section 1.4), and fields on the globe. Each is a
-`fieldrecon.Reconstruction`, which is determined by its weights.
+(Hermite), natural cubic splines (Wendland (2005), section 1.4), the mean of several methods, and
+fields on the globe. Each is a `fieldrecon.Reconstruction`, which is determined by its weights.
 """
 
 from fieldrecon.methods.functionals import Functionals, derivatives_at, laplacians_at, values_at
 from fieldrecon.methods.globe import OnGlobe, principal, to_unit
 from fieldrecon.methods.hermite import HermiteField, HermiteRBF
 from fieldrecon.methods.least_squares import LeastSquares, normal_equations
+from fieldrecon.methods.mean import Mean
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.natural_splines import NaturalCubicSpline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
@@ -23,6 +24,7 @@ __all__ = [
     "HermiteField",
     "HermiteRBF",
     "LeastSquares",
+    "Mean",
     "MovingLeastSquares",
     "NaturalCubicSpline",
     "OnGlobe",

@@ -14,7 +14,6 @@ by 3.5 %.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +21,7 @@ from numpy.typing import ArrayLike
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
 from fieldrecon.methods.other_coordinates import OtherCoordinates
-from fieldrecon.reconstruction import Reconstruction
+from fieldrecon.reconstruction import Reconstruction, as_maker
 
 _NEAREST = 1e-12  # least value of 1 + u . p: the antipode of the pole has no projection
 
@@ -82,10 +81,8 @@ class OnTangentPlane(OtherCoordinates):
         self.pole = (
             mean_direction(self.points) if pole is None else valid.as_queries(pole, 3, "pole")
         )
-        if isinstance(method, Reconstruction):
-            method = partial(method._made, **method._arguments())
         how = {} if progress is None else {"progress": progress}
-        self.method = method(in_tangent_plane(self.points, self.pole), **how)
+        self.method = as_maker(method)(in_tangent_plane(self.points, self.pole), **how)
         self.degree = min(self.method.degree, 0)
         self.interpolates = self.method.interpolates
 

@@ -20,12 +20,13 @@ from fieldrecon.io.labelled import to_dataframe, to_xarray
 from fieldrecon.io.targets import Targets, TargetValues, targets_of_table
 from fieldrecon.io.values import write_values
 from fieldrecon.methods.globe import OnGlobe, to_unit
+from fieldrecon.methods.mean import Mean
 from fieldrecon.methods.tangent_plane import OnTangentPlane
 from fieldrecon.pages.reconstruction_page import COLORS, as_png, picture, pictures, summary
 from fieldrecon.pipelines.samples import Samples
 from fieldrecon.pipelines.validation import Validation
 from fieldrecon.pipelines.variograms import FEWEST, Variogram, variogram
-from fieldrecon.reconstruction import Field
+from fieldrecon.reconstruction import Field, Reconstruction
 from fieldrecon.selection.cross_validation import ModelScore
 from fieldrecon.selection.error_bands import COVERAGE
 from fieldrecon.selection.extrapolation import AMONG, OUTSIDE, extrapolated
@@ -288,10 +289,8 @@ class SurveyResult:
     def _noise_warnings(self) -> Iterator[str]:
         if self.samples.sigma is None:
             return
-        method: Any = self.field.method
-        while isinstance(method, OnGlobe | OnTangentPlane):
-            method = method.method
-        if np.ndim(getattr(method, "smoothing", 0.0)):
+        parts = _innermost(self.field.method)
+        if any(np.ndim(getattr(method, "smoothing", 0.0)) for method in parts):
             yield "The smoothing is proportional to the variances of the samples."
         else:
             yield (
@@ -351,6 +350,15 @@ class SurveyResult:
 def on_globe(samples: Samples, points: np.ndarray) -> np.ndarray:
     """Points as unit vectors, if the samples are on the globe."""
     return to_unit(points) if samples.lonlat else points
+
+
+def _innermost(method: Reconstruction) -> list[Reconstruction]:
+    """The methods that fit the values, in whatever coordinates and mean."""
+    if isinstance(method, OnGlobe | OnTangentPlane):
+        return _innermost(method.method)
+    if isinstance(method, Mean):
+        return [one for part in method.methods for one in _innermost(part)]
+    return [method]
 
 
 def values_with_error(

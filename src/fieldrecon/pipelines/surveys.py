@@ -23,6 +23,7 @@ from fieldrecon.io.frames import Source, as_source, as_table, is_table
 from fieldrecon.io.saved_fields import load_with_names
 from fieldrecon.io.targets import Targets, grid_over, targets_of_mesh, targets_of_table
 from fieldrecon.methods.globe import OnGlobe
+from fieldrecon.methods.mean import Mean
 from fieldrecon.methods.tangent_plane import OnTangentPlane, mean_direction
 from fieldrecon.pipelines.samples import Samples, read_samples, refuse_flat
 from fieldrecon.pipelines.survey_results import SurveyResult, on_globe, values_with_error
@@ -371,6 +372,8 @@ def _maker_like(method: Reconstruction) -> Maker:
     """Make the same method on other points."""
     if isinstance(method, OnTangentPlane):
         return partial(OnTangentPlane, method=_maker_like(method.method), pole=method.pole)
+    if isinstance(method, Mean):
+        return partial(Mean, methods=tuple(map(_maker_like, method.methods)))
     arguments = method._arguments()
     if any(np.ndim(arguments[name]) for name in method._each_site):
         raise ValueError("the method has a parameter of each sample, and is not made on others")

@@ -8,14 +8,12 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import Any
 
 import numpy as np
 
 from fieldrecon._core.chunks import Progress
 from fieldrecon.selection.cross_validation import CrossValidator, ModelScore
-from fieldrecon.selection.models import Model, with_metric
+from fieldrecon.selection.models import Model, with_distances, with_metric
 
 RATIOS, DIRECTIONS = (2.0, 4.0), 4
 """Ratios, and the number of directions, that are tried first."""
@@ -102,7 +100,7 @@ def find_anisotropy(
         That of the anisotropic variant, or the given one.
     Anisotropy or None
     """
-    maker: Any = score.maker
+    maker = score.maker
     if maker is None or score.n_held_out < validator.n_held_out or score.model.family == "LS":
         return score, None
     coarse = [Anisotropy(r, 180 * k / DIRECTIONS) for r in RATIOS for k in range(DIRECTIONS)]
@@ -111,7 +109,7 @@ def find_anisotropy(
 
     def error(one: Anisotropy) -> float:
         if one not in found:
-            variant = partial(maker, metric=one.metric)
+            variant = with_distances(maker, one.metric)
             found[one] = validator.score(one.of_model(score.model), variant)
             if progress is not None:
                 progress(len(found), total)

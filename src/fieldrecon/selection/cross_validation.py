@@ -11,7 +11,7 @@ value depends only on the samples near by.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TypeVar
@@ -28,13 +28,21 @@ from fieldrecon.selection.distance_matching import (
     held_out_distances,
     nearest_neighbor_distances,
 )
-from fieldrecon.selection.models import Maker, Model, with_variances, with_wide_patches
+from fieldrecon.selection.models import (
+    Maker,
+    Model,
+    mean_of,
+    with_variances,
+    with_wide_patches,
+)
 
 NO_FIELD = (ValueError, np.linalg.LinAlgError, MemoryError, OverflowError)
 FEW = 400
-"""Up to this number of samples there are twenty folds, since few samples have room in each."""
+"""Up to this number of samples there are more folds, since few samples have room in each."""
+FOLDS_OF_FEW, FOLDS, FOLDS_OF_MANY = 60, 5, 10
+"""Numbers of folds of few samples, of more, and of those in windows."""
 MANY = 20_000
-"""Above this number of samples, those in windows are used, in ten folds: few gaps fit in one."""
+"""Above this number of samples, those in windows are used, in more folds: few gaps fit in one."""
 WINDOWS, WINDOW = 10, 1500
 """Number of windows, and samples of each."""
 MAX_HELD_OUT = 1000
@@ -160,7 +168,7 @@ class CrossValidator:
         points = valid.as_points(points)
         values = valid.as_values(values, len(points))
         x = x if x is None else valid.as_queries(x, points.shape[1])
-        n_folds = 20 if len(points) <= FEW else 5 if len(points) <= MANY else 10
+        n_folds = _number_of_folds(len(points))
         if len(points) <= MANY:
             folds = distance_matched_folds(points, x, n_folds, MAX_HELD_OUT, seed=seed)
         else:
@@ -205,9 +213,9 @@ class CrossValidator:
         that are level with the best one have the `caution` of their models.
         """
         first = self._first_folds()
-        scores = []
+        scores: list[ModelScore] = []
         for done, model in enumerate(models, 1):
-            scores.append(self.evaluate(model, asked_for, first))
+            scores.append(self.evaluate(model, asked_for, first, scores))
             if progress is not None:
                 progress(done, len(models) + 1)
         ranked = sorted((s for s in scores if s.maker), key=lambda score: score.rms)
@@ -217,19 +225,38 @@ class CrossValidator:
         return self._with_suitable_patches(_by_caution(final))
 
     def evaluate(
-        self, model: Model, asked_for: bool = False, folds: Sequence[Fold] | None = None
+        self,
+        model: Model,
+        asked_for: bool = False,
+        folds: Sequence[Fold] | None = None,
+        known: Sequence[ModelScore] = (),
     ) -> ModelScore:
         """Residuals of the model's best variant at held-out samples.
 
         A model that has no field on these points, or would take too long, has a reason instead.
+        Scores on the same folds that are `known` are not computed again for a mean.
         """
         if len(self.points) > model.max_samples and not asked_for:
             reason = f"not tried on more than {model.max_samples:g} samples unasked"
             return ModelScore(model, None, None, reason)
+        if model.parts:
+            return self._of_mean(model, folds, {score.model.name: score for score in known})
         score = partial(self.score, model, folds=folds or self.folds)
         found = [_least(path, score) for path in model.makers(self.points)]
         least = min(score.rms for score in found)
         return next(score for score in found if score.rms <= NEARLY * least)
+
+    def _of_mean(
+        self, model: Model, folds: Sequence[Fold] | None, known: Mapping[str, ModelScore]
+    ) -> ModelScore:
+        """Residuals of the mean of the best variants of the model's parts."""
+        makers = []
+        for part in model.parts:
+            score = known.get(part.name) or self.evaluate(part, folds=folds)
+            if score.maker is None:
+                return ModelScore(model, None, None, f"{part.name}: {score.reason}")
+            makers.append(score.maker)
+        return self.score(model, mean_of(makers), folds)
 
     def _first_folds(self) -> tuple[Fold, ...]:
         """The folds on which all models are compared: the fewest with enough held-out samples."""
@@ -291,6 +318,10 @@ def _by_caution(scores: list[ModelScore]) -> list[ModelScore]:
         else score
         for score in scores
     ]
+
+
+def _number_of_folds(n: int) -> int:
+    return FOLDS_OF_FEW if n <= FEW else FOLDS if n <= MANY else FOLDS_OF_MANY
 
 
 def _certainty(variances: np.ndarray) -> np.ndarray:

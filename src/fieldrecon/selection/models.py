@@ -15,6 +15,7 @@ from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.mean import Mean
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
@@ -26,8 +27,11 @@ _NEIGHBORS_PER_COEFFICIENT = 4
 _STRENGTHS = (0.0, *(10.0**k for k in range(-6, 1)))
 _PATCH_STRENGTHS = (0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 _NOISY_PATCH, _WIDE_PATCH = 60, 240
-CAUTIOUS = ("linear", "pu1", "smooth", "pu2", "pusmooth")
-"""Names of models, in the order in which they overshoot more and more where samples are few."""
+CAUTIOUS = ("mean", "linear", "pu1", "smooth", "pu2", "pusmooth")
+"""Names of models, in the order in which they overshoot more and more where samples are few.
+
+The mean of the kernel r and of plates comes first: beside a gap, where one of them is wrong, the
+other one halves its error."""
 _TYPICAL = 5000  # samples from whose neighbours the typical distance of samples is found
 
 Maker: TypeAlias = Callable[[np.ndarray], Reconstruction]
@@ -50,6 +54,8 @@ class Model:
         variant takes points to the method on these.
     max_samples : float
         Number of samples up to which it is tried unasked: global kernels take O(n³).
+    parts : tuple of Model
+        Models of whose best variants it is the mean; it then has no variants of its own.
     """
 
     name: str
@@ -57,6 +63,7 @@ class Model:
     meaning: str
     makers: Callable[[np.ndarray], Sequence[Sequence[Maker]]]
     max_samples: float = np.inf
+    parts: tuple[Model, ...] = ()
 
     @property
     def caution(self) -> float:
@@ -65,7 +72,8 @@ class Model:
 
     def on_tangent_plane(self, pole: np.ndarray) -> Model:
         """The same model for unit vectors of a region, in the plane that touches the globe."""
-        return replace(self, makers=partial(_projected, self.makers, pole))
+        parts = tuple(part.on_tangent_plane(pole) for part in self.parts)
+        return replace(self, makers=partial(_projected, self.makers, pole), parts=parts)
 
 
 def with_variances(maker: Maker, variances: np.ndarray | None) -> Maker:
@@ -74,14 +82,14 @@ def with_variances(maker: Maker, variances: np.ndarray | None) -> Maker:
     Its smoothing is then that of a datum of the mean variance. A method without smoothing takes
     all data as equal.
     """
-    if variances is None or not isinstance(maker, partial):
+    if variances is None:
         return maker
-    if maker.func is OnTangentPlane:
-        return partial(maker, method=with_variances(maker.keywords["method"], variances))
-    if not maker.keywords.get("smoothing"):
-        return maker
-    relative = variances / (variances.mean() or 1.0)
-    return partial(maker, smoothing=maker.keywords["smoothing"] * relative)
+    return _changed(maker, partial(_weighted, variances / (variances.mean() or 1.0)))
+
+
+def _weighted(relative: np.ndarray, maker: Maker) -> Maker:
+    smoothing = maker.keywords.get("smoothing") if isinstance(maker, partial) else None
+    return _with(maker, smoothing=smoothing * relative) if smoothing else maker
 
 
 def with_wide_patches(maker: Maker | None) -> Maker | None:
@@ -90,14 +98,49 @@ def with_wide_patches(maker: Maker | None) -> Maker | None:
     Beside a gap, a patch has samples of one side, and a few tracks at most. The wider it is, the
     nearer is the field to that of all samples at once.
     """
-    if not isinstance(maker, partial):
+    if maker is None or not any(map(_has_noisy_patches, _innermost(maker))):
         return None
-    if maker.func is OnTangentPlane:
-        method = with_wide_patches(maker.keywords["method"])
-        return None if method is None else partial(maker, method=method)
-    if maker.keywords.get("patch_size") != _NOISY_PATCH:
-        return None
-    return partial(maker, patch_size=_WIDE_PATCH)
+    return _changed(maker, _widened)
+
+
+def _has_noisy_patches(maker: Maker) -> bool:
+    return isinstance(maker, partial) and maker.keywords.get("patch_size") == _NOISY_PATCH
+
+
+def _widened(maker: Maker) -> Maker:
+    return _with(maker, patch_size=_WIDE_PATCH) if _has_noisy_patches(maker) else maker
+
+
+def with_distances(maker: Maker, metric: np.ndarray) -> Maker:
+    """The variant with an anisotropic distance."""
+    return _changed(maker, lambda one: _with(one, metric=metric))
+
+
+def mean_of(makers: Sequence[Maker]) -> Maker:
+    """The variant whose field is the mean of those of several variants."""
+    return partial(Mean, methods=tuple(makers))
+
+
+def _changed(maker: Maker, change: Callable[[Maker], Maker]) -> Maker:
+    """The variant with a change of the methods that fit the values: those within others."""
+    if isinstance(maker, partial) and maker.func is OnTangentPlane:
+        return partial(maker, method=_changed(maker.keywords["method"], change))
+    if isinstance(maker, partial) and maker.func is Mean:
+        return mean_of([_changed(one, change) for one in maker.keywords["methods"]])
+    return change(maker)
+
+
+def _innermost(maker: Maker) -> list[Maker]:
+    """The methods that fit the values: those within others."""
+    if isinstance(maker, partial) and maker.func is OnTangentPlane:
+        return _innermost(maker.keywords["method"])
+    if isinstance(maker, partial) and maker.func is Mean:
+        return [one for part in maker.keywords["methods"] for one in _innermost(part)]
+    return [maker]
+
+
+def _with(maker: Callable[..., Reconstruction], **arguments: Any) -> Maker:
+    return partial(maker, **arguments)
 
 
 def with_metric(model: Model, metric: np.ndarray, meaning: str) -> Model:
@@ -105,7 +148,8 @@ def with_metric(model: Model, metric: np.ndarray, meaning: str) -> Model:
     if model.family == "LS":
         return model
     makers = partial(_with_metric, model.makers, metric)
-    return replace(model, makers=makers, meaning=f"{model.meaning}, {meaning}")
+    parts = tuple(with_metric(part, metric, meaning) for part in model.parts)
+    return replace(model, makers=makers, parts=parts, meaning=f"{model.meaning}, {meaning}")
 
 
 def _with_metric(
@@ -171,6 +215,13 @@ def _smoothed_patches(power: int, degrees: Sequence[int], points: np.ndarray) ->
     ]
 
 
+def _no_variants(_: np.ndarray) -> list[list[Maker]]:
+    return []
+
+
+_KERNEL_R = Model("pu1", "PU", "patches of r, smoothed", partial(_smoothed_patches, 1, (0, 1)))
+_PLATES = Model("pu2", "PU", "patches of plates, smoothed", partial(_smoothed_patches, 2, (1,)))
+
 MODELS: Mapping[str, Model] = MappingProxyType(
     {
         model.name: model
@@ -186,8 +237,9 @@ MODELS: Mapping[str, Model] = MappingProxyType(
             Model("smooth", "RBF", "thin plate, smoothed", partial(_smoothed, 2, (1,)), 1000),
             Model("pu3", "PU", "patches of r³, blended", partial(_patches, 3)),
             Model("pu", "PU", "patches of r⁵, blended", partial(_patches, 5)),
-            Model("pu1", "PU", "patches of r, smoothed", partial(_smoothed_patches, 1, (0, 1))),
-            Model("pu2", "PU", "patches of plates, smoothed", partial(_smoothed_patches, 2, (1,))),
+            _KERNEL_R,
+            _PLATES,
+            Model("mean", "PU", "mean of pu1 and pu2", _no_variants, parts=(_KERNEL_R, _PLATES)),
             Model("pusmooth", "PU", "patches of r³, smoothed", partial(_smoothed_patches, 3, (1,))),
         )
     }

@@ -85,6 +85,8 @@ CALLS: dict[str, Call] = {
     "LeastSquares.coefficients": (FITTED.coefficients, {"values": VALUES}),
     "LeastSquares.objective": (FITTED.objective, {"values": VALUES}),
     "LeastSquares.residuals": (FITTED.residuals, {"values": VALUES}),
+    "Mean": (partial(fr.methods.Mean, methods=[fr.LeastSquares]), {"points": PLANE}),
+    "Mean.field": (fr.methods.Mean(PLANE, [fr.LeastSquares]).field, {"values": VALUES}),
     "MovingLeastSquares": (
         partial(fr.MovingLeastSquares, weight=wendland(3, 2)),
         {"points": PLANE, "metric": np.eye(2)},

@@ -36,6 +36,7 @@ METHODS = [
     fr.PartitionOfUnityRBF(POINTS, smoothing=0.1 * np.arange(120) ** 2),
     fr.OnGlobe(LONLAT, lambda u: fr.RBF(u, fr.polyharmonic(3))),
     fr.OnGlobe(LONLAT, fr.PartitionOfUnityRBF),
+    fr.methods.Mean(POINTS, [fr.PartitionOfUnityRBF, fr.LeastSquares]),
 ]
 
 

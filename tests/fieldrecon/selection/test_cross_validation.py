@@ -7,9 +7,10 @@ from fieldrecon import LeastSquares, leave_one_out
 from fieldrecon.datasets.synthetic import clustered, franke, halton, uniform
 from fieldrecon.selection import cross_validation as module
 from fieldrecon.selection.cross_validation import CrossValidator, ModelScore, _by_caution, best
-from fieldrecon.selection.models import MODELS, Model, with_wide_patches
+from fieldrecon.selection.models import MODELS, Model, mean_of, with_wide_patches
 
 EXACT = 1e-8
+ALONE = {name: model for name, model in MODELS.items() if not model.parts}
 
 
 def scores(points, values):
@@ -166,7 +167,7 @@ def test_in_gaps_patches_are_wide_unless_the_held_out_samples_speak_against_it(g
 def test_only_smoothed_patches_become_wide():
     """Also those of a region of the globe; other methods have none."""
     points = uniform(80, 3, seed=2)
-    for name, model in MODELS.items():
+    for name, model in ALONE.items():
         flat, on_globe = model.makers(points)[0][0], model.on_tangent_plane(points[0] / 2)
         smoothed = name in ("pu1", "pu2", "pusmooth")
         assert (with_wide_patches(flat) is not None) == smoothed
@@ -174,6 +175,39 @@ def test_only_smoothed_patches_become_wide():
     wide = with_wide_patches(MODELS["pu1"].on_tangent_plane(points[0]).makers(points)[0][0])
     assert wide.keywords["method"].keywords["patch_size"] == 240
     assert with_wide_patches(wide) is None
+
+
+def test_the_mean_is_that_of_the_best_variants_of_its_parts():
+    """Its residuals are the means of theirs, also on a tangent plane and with a noise of each."""
+    points, mean = np.add(uniform(150, 3, seed=2), [0, 0, 1]), MODELS["mean"]
+    points /= np.linalg.norm(points, axis=1)[:, None]
+    values = franke(points[:, :2]) + 0.1 * np.random.default_rng(0).standard_normal(150)
+    for variances in (None, 0.01 + points[:, 0] ** 2):
+        validator = CrossValidator.of(points, values, variances=variances)
+        for model in (mean, mean.on_tangent_plane(points.mean(axis=0))):
+            parts = [validator.evaluate(part) for part in model.parts]
+            expected = np.mean([part.residuals for part in parts], axis=0)
+            for score in (validator.evaluate(model), validator.evaluate(model, known=parts)):
+                np.testing.assert_allclose(score.residuals, expected, atol=1e-9)
+                assert score.reason == ""
+
+
+def test_the_mean_needs_all_of_its_parts():
+    """A part without a field is named with its reason."""
+    few = Model("few", "LS", "", MODELS["ls2"].makers)
+    points = uniform(4, 2, seed=0)
+    both = Model("both", "LS", "", lambda _: [], parts=(MODELS["ls1"], few))
+    score = CrossValidator.of(points, points[:, 0]).evaluate(both)
+    assert score.maker is None
+    assert score.reason.startswith("few: the points do not determine a polynomial of degree 2")
+
+
+def test_the_patches_of_a_mean_become_wide():
+    """Those of all parts that smooth, and no others."""
+    makers = [MODELS[name].makers(uniform(80, 2, seed=2))[0][0] for name in ("pu1", "pu2", "pu")]
+    wide = with_wide_patches(mean_of(makers)).keywords["methods"]
+    assert [maker.keywords.get("patch_size") for maker in wide] == [240, 240, None]
+    assert with_wide_patches(mean_of(makers[2:])) is None
 
 
 @pytest.mark.parametrize("d", [2, pytest.param(3, marks=pytest.mark.slow)])
