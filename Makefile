@@ -77,7 +77,7 @@ build    := report/build
 manifest := $(build)/manifest.json
 outputs  := $(build)/report.html $(build)/report.pdf
 missing  := $(filter-out $(wildcard $(outputs)),$(outputs))
-sources   = $(shell find src report/. \( -name build -o -name __pycache__ -o -name '*.egg-info' \) -prune -o -print)
+sources   = $(shell find src report/. \( -path report/./build -o -name __pycache__ -o -name '*.egg-info' \) -prune -o -print)
 
 report: $(manifest) ## build the report: report/build/report.html and report.pdf
 

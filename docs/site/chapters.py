@@ -17,6 +17,7 @@ MARK = re.compile(
     r"|</section>",
     flags=re.S,
 )
+NO_TEXT = re.compile(r"<(script|svg|template)\b.*?</\1>|<[^>]*>", flags=re.S)
 FORMULA = re.compile(r"(<math\b.*?</math>)", flags=re.S)
 
 
@@ -62,7 +63,7 @@ def inline(title: str) -> list[nodes.Node]:
 
 def plain(content: str) -> str:
     """Return the text of HTML."""
-    return html.unescape(re.sub(r"<(script|svg)\b.*?</\1>|<[^>]*>", "", content, flags=re.S))
+    return html.unescape(NO_TEXT.sub("", content))
 
 
 def write(translator: object, node: Fragment) -> None:

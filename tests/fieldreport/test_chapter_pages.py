@@ -4,6 +4,7 @@ import base64
 import io
 import re
 
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -11,10 +12,16 @@ from fieldreport.build.chapter_pages import (
     chapters_of,
     page_names,
     with_folded_solutions,
-    with_works,
 )
 from fieldreport.build.errors import BuildError
-from fieldreport.build.screen_figures import dark_color, dark_values, element, light
+from fieldreport.build.screen_figures import (
+    dark_color,
+    dark_values,
+    element,
+    light,
+    short_path,
+    webp,
+)
 
 PAGE = """<body><main id="text"><div class="abstract"><p>In short.</p></div>
 <section id="sec:one" class="level2"><h2>One</h2>
@@ -47,14 +54,33 @@ def test_a_page_has_the_name_of_the_file_that_its_chapter_begins(tmp_path):
     assert page_names(["sec:one", "sec:more", "sec:two"], paths) == ["first", "more", "next"]
 
 
-def test_a_citation_shows_its_work():
-    page = (
-        '<a href="#ref-a" role="doc-biblioref">A 1</a><a href="#ref-b" role="doc-biblioref">B</a>'
-        '<div id="ref-a" class="csl-entry" role="listitem">\nA: <em>On "x"</em>.\n</div>'
+STATED = """<main>
+<section id="sec:one" class="level2"><h2>One</h2>
+<p>By <a href="#thm:b">Theorem 1</a> and <a href="#ref-c" role="doc-biblioref">C 3</a>,
+<span id="eq:a" class="equation"><math><mi>a</mi></math></span>, <a href="#eq:a">(1)</a>.</p>
+</section>
+<section id="sec:two" class="level2"><h2>Two</h2>
+<div class="statement theorem" id="thm:b"><p><strong>Theorem 1</strong> (Trees).</p>
+<div id="inside"><p>See <a href="#eq:a">(1)</a>.</p></div></div>
+<p>After. <a href="#eq:a">(1)</a></p></section>
+<section id="sec:works" class="level2">
+<div id="ref-c" class="csl-entry" role="listitem">C: <em>On "x"</em>.</div></section>
+</main>"""
+
+
+def test_a_chapter_contains_what_it_refers_to_in_other_chapters():
+    """The copies are whole, have no identifiers and links, and no title says the same again."""
+    one, two, works = (chapter.content for chapter in chapters_of(STATED, ["one", "two", "works"]))
+    assert one.partition('<template class="previews">')[2] == (
+        '<div class="statement theorem" data-label="thm:b"><p><strong>Theorem 1</strong> (Trees).'
+        "</p>\n<div><p>See (1).</p></div></div>"
+        '<div data-label="ref-c" class="csl-entry" role="listitem">C: <em>On "x"</em>.</div>'
+        "</template>"
     )
-    titled = with_works(page)
-    assert '<a href="#ref-a" role="doc-biblioref" title="A: On &quot;x&quot;.">A 1</a>' in titled
-    assert '<a href="#ref-b" role="doc-biblioref">B</a>' in titled
+    assert "title=" not in one
+    assert '<span data-label="eq:a" class="equation">' in two
+    assert two.count("data-label") == 1  # for both links
+    assert "template" not in works
 
 
 def test_a_solution_is_folded_and_what_follows_is_not():
@@ -80,9 +106,50 @@ def test_a_figure_for_the_screen_is_shorter_and_has_the_same_elements():
     path = '<path d="M 1.234567 2.5 \nL 3 4.987654 \n"/>'
     svg = f'<svg width="9pt">{path}<image href="data:image/png;base64,{raster}"/></svg>'
     short = light(svg)
-    assert '<path d="M 1.2 2.5L3 4.9"/>' in short.replace(" \n", "").replace("\n", "")
+    assert '<path d="M1.2 2.5l1.8 2.5"/>' in short
     assert "data:image/webp" in short
     assert len(short) < len(svg)
+
+
+def test_a_raster_of_few_colours_stays_exact():
+    """It is shorter than with the loss that suits a photograph."""
+    buffer = io.BytesIO()
+    colors = np.random.default_rng(0).integers(0, 2, (64, 64, 1)) * np.array([200, 100, 50])
+    Image.fromarray(colors.astype(np.uint8)).save(buffer, "PNG")
+    with Image.open(io.BytesIO(webp(buffer.getvalue()))) as kept:
+        assert np.array_equal(kept.convert("RGB"), colors)
+
+
+def test_a_short_path_ends_where_the_long_one_does():
+    """Rounded differences must not add up; a closed part ends where it began."""
+    steps = "".join(f"L {0.04 * k:.6f} {-0.13 * k:.6f} \n" for k in range(1, 1001))
+    numbers = re.findall(r"-?\d*\.?\d+", short_path(f"M 0 0 \n{steps}").replace("m", "l"))
+    assert sum(map(float, numbers[0::2])) == pytest.approx(40)
+    assert sum(map(float, numbers[1::2])) == pytest.approx(-130)
+    closed = "M 1 1 L 2 1 L 2 2 z M 3 1 C 3 2 4 3 5 5 C 6 6 7 7 8 9 M 0 0 M 1 1"
+    assert short_path(closed) == "M1 1l1 0 0 1zm2 0c0 1 1 2 2 4 1 1 2 2 3 4m-8-9m1 1"
+
+
+def test_lines_of_one_look_are_one_path_unless_they_are_translucent():
+    def lines(style):
+        line = f'<path d="M 1 1 L 2 2 \n" clip-path="url(#p)" style="fill: none; {style}"/>'
+        return light(f"<svg>{line}\n    {line}<g>{line}</g></svg>").count("<path")
+
+    assert lines("stroke: #000000") == 2
+    assert lines("stroke: #000000; stroke-opacity: 0.5") == 3
+
+
+def test_markers_within_one_frame_are_one_group():
+    def marks(*frames):
+        return "".join(
+            f'<g clip-path="url(#{frame})">\n '
+            '<use xlink:href="#m" x="1.25" y="2.5" style="a: 1.25"/>\n</g>\n'
+            for frame in frames
+        )
+
+    mark = '<use xlink:href="#m" x="1.2" y="2.5" style="a: 1.25"/>'
+    found = re.sub(r"\s*\n\s*", "", light(marks("p", "p", "q")))
+    assert found == (f'<g clip-path="url(#p)">{mark}{mark}</g><g clip-path="url(#q)">{mark}</g>')
 
 
 def on_a_page(inside):
@@ -101,11 +168,16 @@ def test_colours_of_a_figure_follow_the_page_and_a_bright_colour_stays():
 
 
 def test_colours_of_amounts_stay_on_a_dark_page():
-    """They must agree with the colour bar, which is a raster."""
-    amounts = "".join(f'<path style="fill: #{k:02x}0000; stroke: #000000"/>' for k in range(1, 20))
-    figure = on_a_page(amounts)
-    assert 'style="fill: #010000; stroke: var(--ink, #000)"' in figure
-    assert dark_values(figure) == ""
+    """They must agree with the colour bar, whose lighter end would not stay the lighter one."""
+    few, many = (
+        "".join(f'<path style="fill: #{k:02x}0000; stroke: #000000"/>' for k in range(1, 1 + count))
+        for count in (4, 24)
+    )
+    for amounts in (many, few + '<g id="QuadMesh_1"/>'):
+        figure = on_a_page(amounts)
+        assert 'style="fill: #010000; stroke: var(--ink, #000)"' in figure
+        assert dark_values(figure) == ""
+    assert dark_values(on_a_page(few)) != ""
 
 
 def test_identifiers_of_a_figure_are_its_own_and_its_letters_those_of_the_page():

@@ -37,13 +37,22 @@ async function copy(text) {
   field.remove();
 }
 
-// A link to an equation, a statement or a figure of this page shows it.
+// A link to an equation, a statement, a table or a work shows it, and a link to a figure of this page.
+// The page contains copies of those in other chapters.
 const preview = document.body.appendChild(document.createElement("div"));
 preview.className = "preview chapter";
 preview.hidden = true;
 
+const copies = document.querySelector("template.previews");
+
+function targetOf(link) {
+  const label = decodeURIComponent(link.hash.slice(1));
+  if (link.getAttribute("href").startsWith("#")) return document.getElementById(label);
+  return copies && copies.content.querySelector(`[data-label="${CSS.escape(label)}"]`);
+}
+
 function show(link) {
-  const target = document.getElementById(decodeURIComponent(link.hash.slice(1)));
+  const target = targetOf(link);
   if (!target || target.tagName === "SECTION") return;
   preview.replaceChildren(target.cloneNode(true));
   preview.querySelectorAll("[id]").forEach(part => part.removeAttribute("id"));
@@ -55,7 +64,7 @@ function show(link) {
   preview.style.top = `${below ? place.bottom + 8 : place.top - size.height - 8}px`;
 }
 
-for (const link of document.querySelectorAll('.chapter a[href^="#"]:not(.headerlink)')) {
+for (const link of document.querySelectorAll('.chapter a[href*="#"]:not(.headerlink)')) {
   for (const event of ["mouseenter", "focus"]) link.addEventListener(event, () => show(link));
   for (const event of ["mouseleave", "blur"]) link.addEventListener(event, () => (preview.hidden = true));
 }

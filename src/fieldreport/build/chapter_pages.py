@@ -32,7 +32,11 @@ from fieldreport.build.typesetting import UPRIGHT_NABLA, Document
 CONTENTS: Final = "contents.json"
 """The file with the chapters in their order, written last."""
 CHAPTER: Final = re.compile(r'<section id="([^"]+)" class="level2\b')
-WORK: Final = re.compile(r'<div id="(ref-[^"]+)" class="csl-entry"[^>]*>(.*?)</div>', flags=re.S)
+PREVIEWED: Final = re.compile(
+    r'<(span|div|table)\b(?=[^>]* class="(?:equation|statement|result|csl-entry)\b)'
+    r'[^>]* id="([^"]+)"'
+)
+"""Equations, statements, tables and works, which a link to them shows under the pointer."""
 TITLES: Final = [
     re.compile(r'<section id="([^"]+)"[^>]*>\s*<h\d[^>]*>(.*?)</h\d>', flags=re.S),
     re.compile(r'<figure id="([^"]+)">.*?<figcaption>(.*?)(?:<details|</figcaption>)', flags=re.S),
@@ -40,7 +44,6 @@ TITLES: Final = [
         r'<div id="([^"]+)" class="statement[^"]*">\s*<p><strong>(.*?)</strong>', flags=re.S
     ),
 ]
-CITATION: Final = re.compile(r'<a href="#(ref-[^"]+)" role="doc-biblioref"')
 LIVING: Final = re.compile(r"/\* Living figures:.*?\n(?=\n)", flags=re.S)
 """The part of the style sheet about living figures, up to an empty line."""
 SOLUTION: Final = re.compile(r'<div(?: id="[^"]*")? class="statement solution">')
@@ -85,7 +88,7 @@ def write_pages(document: Document, jobs: Iterable[ExperimentJob]) -> list[Path]
     """
     out = document.out / "pages"
     page = document.page.read_text(encoding="utf-8").replace("<mi>∇</mi>", UPRIGHT_NABLA)
-    text = with_works(TEX.sub("", page))
+    text = TEX.sub("", page)
     pictures = {job.name: Pictures(job, out) for job in jobs}
     chapters = chapters_of(text, page_names(labels_of(text), document.chapters))
     made, values = [], ""
@@ -136,7 +139,11 @@ def labels_of(page: str) -> list[str]:
 
 
 def chapters_of(page: str, names: list[str]) -> list[Chapter]:
-    """Split a page at its chapters; links between chapters name the page, and have a title."""
+    """Split a page at its chapters; links between chapters name the page.
+
+    A chapter ends with the previews of what it refers to in other chapters. Sections and figures
+    have no preview, and links to them a title.
+    """
     body = page[page.index("<main") : page.index("</main>")]
     starts = [match.start() for match in CHAPTER.finditer(body)]
     parts = [body[a:b] for a, b in pairwise([*starts, len(body)])]
@@ -145,8 +152,8 @@ def chapters_of(page: str, names: list[str]) -> list[Chapter]:
         for name, part in zip(names, parts, strict=True)
         for label in re.findall(r'\bid="([^"]+)"', part)
     }
-
-    titles = titles_of(page)
+    shown = previews_of(body)
+    titles = {label: title for label, title in titles_of(page).items() if label not in shown}
 
     def target(link: re.Match[str], here: str) -> str:
         label = html.unescape(link[1])
@@ -156,10 +163,41 @@ def chapters_of(page: str, names: list[str]) -> list[Chapter]:
         title = f'" title="{html.escape(titles[label])}' if label in titles else ""
         return f"{there}.html{link[0]}{title}"
 
-    return [
-        Chapter(name, LINK.sub(lambda link, here=name: target(link, here), part))  # type: ignore[misc]
-        for name, part in zip(names, parts, strict=True)
-    ]
+    def chapter(name: str, part: str) -> Chapter:
+        labels = dict.fromkeys(map(html.unescape, LINK.findall(part)))
+        previews = [shown[k] for k in labels if k in shown and home[k] != name]
+        hidden = f'<template class="previews">{"".join(previews)}</template>' if previews else ""
+        return Chapter(name, LINK.sub(lambda link: target(link, name), part) + hidden)
+
+    return [chapter(name, part) for name, part in zip(names, parts, strict=True)]
+
+
+def previews_of(body: str) -> dict[str, str]:
+    """Return the elements that a link shows, by label, without identifiers and links inside."""
+    return {
+        html.unescape(mark[2]): re.sub(
+            r' id="[^"]*"|</?a\b[^>]*>',
+            "",
+            whole(body, mark.start()).replace(' id="', ' data-label="', 1),
+        )
+        for mark in PREVIEWED.finditer(body)
+    }
+
+
+def whole(page: str, start: int) -> str:
+    """Return the element that begins at a position.
+
+    Examples
+    --------
+    >>> whole("<p><b>1<b>2</b></b>3</p>", 3)
+    '<b>1<b>2</b></b>'
+    """
+    name, depth = re.compile(r"<(\w+)").match(page, start)[1], 0  # type: ignore[index]
+    for tag in re.compile(rf"<(/?){name}\b[^>]*>").finditer(page, start):
+        depth += -1 if tag[1] else 1
+        if not depth:
+            return page[start : tag.end()]
+    raise BuildError(f"the element {page[start : start + 60]} has no end")
 
 
 def titles_of(page: str) -> dict[str, str]:
@@ -171,37 +209,17 @@ def titles_of(page: str) -> dict[str, str]:
     }
 
 
-def with_works(page: str) -> str:
-    """Give each citation the work as a title, which a browser shows under the pointer."""
-    works = {name: " ".join(_plain(entry).split()) for name, entry in WORK.findall(page)}
-
-    def titled(link: re.Match[str]) -> str:
-        work = works.get(html.unescape(link[1]))
-        return f'{link[0]} title="{html.escape(work)}"' if work else link[0]
-
-    return CITATION.sub(titled, page)
-
-
 def _plain(content: str) -> str:
     return html.unescape(re.sub(r"<[^>]*>", "", content))
 
 
 def with_folded_solutions(content: str) -> str:
     """Fold each solution, so that a reader can try the exercise first."""
-    before, *solutions = SOLUTION.split(content)
-    return before + "".join(map(_folded, solutions))
-
-
-def _folded(rest: str) -> str:
-    """Return the text after the beginning of a solution, with a fold instead of its division."""
-    depth = 1
-    for tag in re.finditer(r"<(/?)div\b", rest):
-        depth += -1 if tag[1] else 1
-        if not depth:
-            inside = rest[: tag.start()].replace("<strong>Solution.</strong> ", "", 1)
-            after = rest[tag.start() :].removeprefix("</div>")
-            return f"{FOLD}{inside}</details>{after}"
-    raise BuildError("a solution has no end")
+    for solution in [whole(content, start.start()) for start in SOLUTION.finditer(content)]:
+        inside = SOLUTION.sub("", solution, count=1).removesuffix("</div>")
+        inside = inside.replace("<strong>Solution.</strong> ", "", 1)
+        content = content.replace(solution, f"{FOLD}{inside}</details>", 1)
+    return content
 
 
 def for_screen(figure: str, pictures: Mapping[str, Pictures]) -> str:

@@ -1,8 +1,8 @@
 """Figures as parts of a page: text that can be selected, and colours that follow the page.
 
-The printed figures have more decimals than a screen shows, and exact rasters. On a page black and
-white are the colours of its text and of its ground, and on a dark page dark colours of lines become
-lighter. Rasters keep their colours.
+The printed figures have more decimals than a screen shows, an element for each line, and exact
+rasters. On a page black and white are the colours of its text and of its ground, and on a dark page
+dark colours of lines become lighter. Rasters keep their colours.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import io
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 PAPER: Final = 0x13
 """The brightness of the dark page, which takes the place of white."""
@@ -27,11 +27,14 @@ QUALITY: Final = 55
 """Quality of WebP: differences are not visible at twice the size."""
 
 RASTER: Final = re.compile(r'data:image/png;base64,([^"]+)(?=")')
+EMBEDDED: Final = re.compile(r'(?<=data:image/webp;base64,)[^"]+')
 COLOR: Final = re.compile(r"(?<=stroke: )#[0-9a-f]{6}|(?<=fill: )#[0-9a-f]{6}")
 OF_PAGE: Final = {"#000000": "var(--ink, #000)", "#ffffff": "var(--paper, #fff)"}
 """Colours that are those of the page."""
-MOST_COLORS: Final = 12
-"""More colours in one figure stand for amounts, as in its colour bar, and stay."""
+MOST_COLORS: Final = 20
+"""More colours in one figure stand for amounts, and stay."""
+COLOR_BAR: Final = 'id="QuadMesh_'
+"""The beginning of a colour bar in a file; the colours of its figure stay as well."""
 NAMED: Final = re.compile(r"var\(--c([0-9a-f]{6}),")
 PICTURE: Final = re.compile(
     r'<img class="picture" src="([^":]+)\.svg" alt="([^"]*)" (style="[^"]*")>'
@@ -43,16 +46,63 @@ NOT_SHOWN: Final = re.compile(
     r"<!--.*?-->|<style\b.*?</style>|font-family: [^;\"]*(?:; )?", flags=re.S
 )
 """Comments, and rules that the style sheet of the page has for its figures."""
-PATH: Final = re.compile(r'(?<= d=")[^"]+(?=")|(?<= points=")[^"]+(?=")')
+PATH: Final = re.compile(r'(?<= d=")[^"]+(?=")')
+POSITIONS: Final = re.compile(r'(?<= points=")[^"]+|(?<=<use )[^>]*?(?= style=|/>)')
 DECIMALS: Final = re.compile(r"(\.\d)\d+")
-STEP: Final = re.compile(r" ?\n([A-Za-z]) ?")
+COMMAND: Final = re.compile(r"([A-Za-z])([^A-Za-z]*)")
+SAME_LINE: Final = re.compile(
+    r'<path d="[^"]*"(?P<look> clip-path="[^"]*" style="fill: none; (?:(?!opacity)[^"])*"/>)'
+    r'(?:\s*<path d="[^"]*"(?P=look))+'
+)
+"""Lines of one look, which can be one path."""
+SAME_CLIP: Final = re.compile(
+    r'(?P<clip><g clip-path="[^"]*">)\s*<use [^>]*/>(?:\s*</g>\s*(?P=clip)\s*<use [^>]*/>)+'
+)
+"""Markers within one frame, which can be one group."""
 
 
 def light(svg: str) -> str:
     """Return a figure without the digits and bytes that no screen shows."""
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.S)
-    svg = PATH.sub(lambda path: STEP.sub(r"\1", DECIMALS.sub(r"\1", path[0])), svg)
+    svg = PATH.sub(lambda path: short_path(path[0]), svg)
+    svg = POSITIONS.sub(lambda numbers: DECIMALS.sub(r"\1", numbers[0]), svg)
+    svg = SAME_LINE.sub(lambda lines: _joined(lines[0], f'"{lines["look"]}', '<path d="'), svg)
+    svg = SAME_CLIP.sub(lambda marks: _joined(marks[0], "</g>", marks["clip"]), svg)
     return RASTER.sub(lambda png: _embedded(base64.b64decode(png[1])), svg)
+
+
+def short_path(path: str) -> str:
+    """Return a path by differences, rounded to a tenth without a sum of the errors.
+
+    Examples
+    --------
+    >>> short_path("M 1.234567 2.5 L 3 4.987654 L 3 4 z")
+    'M1.2 2.5l1.8 2.5 0-1z'
+    """
+    short, last, place, start = [], "", (0, 0), (0, 0)
+    for command, numbers in COMMAND.findall(path):
+        values = [round(10 * float(number)) for number in numbers.split()]
+        if not values:  # the path is closed
+            place = start
+        kind = command.lower() if last else command  # the first position is absolute
+        steps = [value - place[k % 2] for k, value in enumerate(values)] if last else values
+        text = "".join(_tenths(step) for step in steps)
+        short.append(text if kind == last != "m" and values else kind + text.removeprefix(" "))
+        place = (values[-2], values[-1]) if values else place
+        start = place if kind in "Mm" else start
+        last = kind
+    return "".join(short)
+
+
+def _tenths(tenths: int) -> str:
+    """Return a number after what separates it from the one before."""
+    number = re.sub(r"^(-?)0\.", r"\1.", f"{tenths / 10:g}")
+    return number if number.startswith("-") else f" {number}"
+
+
+def _joined(elements: str, end: str, beginning: str) -> str:
+    """Return elements as one, without the ends and beginnings between them."""
+    return re.sub(rf"{re.escape(end)}\s*{re.escape(beginning)}", "", elements)
 
 
 def with_pictures(page: str, picture: Callable[[str, str, str], str]) -> str:
@@ -82,7 +132,7 @@ def element(svg: str, name: str, alt: str, width: str) -> str:
     """
     (box,) = re.findall(r'<svg\b[^>]* viewBox="([^"]*)"', svg)
     inside = svg[svg.index(">", svg.index("<svg")) + 1 :]
-    inside = themed(own_identifiers(NOT_SHOWN.sub("", inside), name))
+    inside = own_identifiers(themed(NOT_SHOWN.sub("", inside)), name)
     inside = re.sub(r">\s+<", "><", inside).strip()
     return f'<svg class="picture" role="img" aria-label="{alt}" {width} viewBox="{box}">{inside}'
 
@@ -102,8 +152,10 @@ def themed(svg: str) -> str:
     --------
     >>> themed('style="fill: #ffffff; stroke: #5f1049"')
     'style="fill: var(--paper, #fff); stroke: var(--c5f1049, #5f1049)"'
+    >>> themed('<g id="QuadMesh_1"><path style="fill: #5f1049"/>')  # a colour bar
+    '<g id="QuadMesh_1"><path style="fill: #5f1049"/>'
     """
-    amounts = len(set(COLOR.findall(svg))) > MOST_COLORS
+    amounts = COLOR_BAR in svg or len(set(COLOR.findall(svg))) > MOST_COLORS
     return COLOR.sub(lambda color: themed_color(color[0], amounts=amounts), svg)
 
 
@@ -142,12 +194,15 @@ def dark_color(color: str) -> str:
 
 
 def webp(png: bytes) -> bytes:
-    """Return a raster in the smaller format."""
+    """Return a raster in the smaller format, exactly if that is shorter, as for few colours."""
     from PIL import Image
 
-    buffer = io.BytesIO()
-    Image.open(io.BytesIO(png)).save(buffer, "WEBP", quality=QUALITY, method=4)
-    return buffer.getvalue()
+    def saved(**options: Any) -> bytes:
+        buffer = io.BytesIO()
+        Image.open(io.BytesIO(png)).save(buffer, "WEBP", method=4, **options)
+        return buffer.getvalue()
+
+    return min(saved(quality=QUALITY), saved(lossless=True), key=len)
 
 
 def screen_file(out: Path, figure: str) -> Path:

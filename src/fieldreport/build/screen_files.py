@@ -20,12 +20,14 @@ from fieldreport.build import rerun
 from fieldreport.build.code_dependencies import code_digests
 from fieldreport.build.pinned_kernels import pins
 from fieldreport.build.rerun import ExperimentJob
-from fieldreport.build.screen_figures import light, webp
+from fieldreport.build.screen_figures import EMBEDDED, light, webp
 from fieldreport.build.step_records import Steps, content_digest
 from fieldreport.framework.result_files import read_result
 
-LARGE: Final = 200_000
-"""Length of a figure as text above which a raster is smaller and is drawn faster."""
+LARGE: Final = 250_000
+"""Length of a figure as text, without rasters in it, above which it becomes a raster."""
+CROWD: Final = 3000
+"""More markers become a raster within their frame, if the figure is too long."""
 
 
 def compute(
@@ -63,6 +65,27 @@ def _drawn(folder: Path, figure: str) -> tuple[str, bytes]:
     with one_blas_thread():
         drawn = experiment.plots[figure](read_result(folder, experiment))
         drawn.svg_fonttype = "none"
-        picture = light(figure_bytes(drawn, "svg").decode()).encode()
-        raster = webp(figure_bytes(drawn, "png")) if len(picture) > LARGE else picture
-    return (".webp", raster) if len(raster) < len(picture) else (".svg", picture)
+        picture = _vectors(drawn)
+        if _long(picture):
+            _draw_crowds_as_rasters(drawn)
+            picture = _vectors(drawn)
+        if not _long(picture):
+            return ".svg", picture.encode()
+        raster = webp(figure_bytes(drawn, "png"))
+    return (".webp", raster) if len(raster) < len(picture) else (".svg", picture.encode())
+
+
+def _vectors(drawn: Any) -> str:
+    return light(figure_bytes(drawn, "svg").decode())
+
+
+def _long(picture: str) -> bool:
+    return len(EMBEDDED.sub("", picture)) > LARGE
+
+
+def _draw_crowds_as_rasters(drawn: Any) -> None:
+    """Let rasters show many markers and the ground behind them, which stays on a dark page."""
+    for axes in drawn.axes:
+        if any(len(markers.get_offsets()) > CROWD for markers in axes.collections):
+            for artist in (axes.patch, *axes.collections):
+                artist.set_rasterized(True)

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from fieldrecon.advection.adaptation import adapted_points
@@ -30,6 +31,8 @@ from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
 from fieldreport.framework.parameters import Parameters, parameter, require
 
 FRAMES = 4
+HEIGHTS = LinearSegmentedColormap.from_list("heights", ["#2a78bb", "#c48600"])
+"""Colours of small points, which are visible on a white and on a dark page."""
 NOISE = 1e-6  # of the coarsening threshold: smaller residuals are rounding errors
 
 
@@ -147,7 +150,7 @@ def plot(result: Result) -> Figure:
         half = result.params.period / 2
         for k, panel in enumerate(axes):
             x, y, u = result.arrays[f"sites_{k}"].T
-            panel.scatter(x, y, 1.5, u, cmap="cividis", vmin=0, vmax=1, linewidths=0)
+            panel.scatter(x, y, 1.5, u, cmap=HEIGHTS, vmin=0, vmax=1, linewidths=0)
             panel.set(title=f"$t = {k * half / (FRAMES - 1):.2f}$", aspect="equal")
             panel.set(xlim=(0, 1), ylim=(0, 1), xticks=[0, 1], yticks=[0, 1])
             panel.grid(visible=False)

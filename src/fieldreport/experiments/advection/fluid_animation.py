@@ -21,6 +21,7 @@ from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 from scipy.spatial import cKDTree
@@ -53,6 +54,8 @@ RADIUS = 0.16
 FRAMES = 6
 LONGEST_STEP = 0.2  # a tenth of a revolution
 ENERGY = 0.25  # of the vortex, at all times
+BLUES = LinearSegmentedColormap.from_list("blues", ["#b9d6ec", "#2a78bb"])
+"""Shades of the ink, which are visible on a white and on a dark page."""
 EPSILON = 1e-3  # of the weights of faces and of vertices, far below the spacing
 
 
@@ -307,7 +310,7 @@ def drawn(panel: Axes, points: np.ndarray, cells: np.ndarray, ink: np.ndarray) -
     """Draw the ink in four shades, and the mesh as one line with gaps."""
     x, y = points.T
     shades = [0.2, 0.4, 0.6, 0.8, 1.01]
-    panel.tricontourf(Triangulation(x, y, cells), ink, shades, cmap="Blues", vmin=-0.4)
+    panel.tricontourf(Triangulation(x, y, cells), ink, shades, cmap=BLUES)
     around = np.concatenate(
         [points[cells[:, [0, 1, 2, 0]]], np.full((len(cells), 1, 2), np.nan)], 1
     )

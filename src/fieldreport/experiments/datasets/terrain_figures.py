@@ -27,6 +27,8 @@ ERROR_LIMIT = 110.0
 """Metres at which the classes of errors end, each 20 m wide."""
 
 LARGEST_AMPLIFICATION = 30.0
+AMPLIFICATIONS = colormaps["Greys"].with_extremes(over="#010101")
+"""Its last colour is not black itself, which is white on a dark page."""
 
 PLACES = {"MLS 2": "MLS 2", THIN_PLATE: "the thin plate"}
 """Methods with profiles through the points of their largest error."""
@@ -70,7 +72,7 @@ def plot_errors(result: Result) -> Figure:
             _frame(panel, result, name)
         weights = last.imshow(
             arrays["amplification"],
-            cmap="Greys",
+            cmap=AMPLIFICATIONS,
             norm=LogNorm(1, LARGEST_AMPLIFICATION),
             extent=_edges_of(result),
         )

@@ -232,7 +232,7 @@ FROM_THE_SIDE = np.array([0.9, -0.05, 0.65])
 """The view direction, from which protruding errors are visible."""
 WHOLE = ("one side", "inside out", "overlap")
 """Errors that are visible only in the picture of the whole mesh."""
-_THREE = ListedColormap(["#0072b2", "#f2f2f2", "#d55e00"])
+_THREE = ListedColormap(["#56b4e9", "#f0e442", "#d55e00"])  # each also on a dark page
 
 
 def plot(result: Result) -> Figure:
