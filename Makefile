@@ -11,8 +11,9 @@ python := $(VENV)/bin/python
 .PHONY: help test test-slow test-all test-browser lint format architecture report docs site check-reproducible bench notebooks check-graders \
   publish bundle grade lab check-tests lock clean distclean FORCE
 
-# The packages are those of the lock files, whatever else this shell can import.
-unexport PYTHONHOME PYTHONPATH
+# The packages are those of the lock files, whatever else this shell can import. Compiled modules are
+# kept: tests and report start hundreds of processes, and each would compile them anew.
+unexport PYTHONHOME PYTHONPATH PYTHONDONTWRITEBYTECODE
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-19s %s\n", $$1, $$2 }' Makefile

@@ -56,6 +56,8 @@ EMPTY_HOME = """
 import os
 assert os.listdir(".") == [] and os.listdir("..") == [os.path.basename(os.getcwd())]
 """
+FIT = "01.2"
+"""The question that most cases answer wrongly."""
 HONEST_IN_AN_EMPTY_HOME = Case("an empty home", before=EMPTY_HOME).submitted_file({})
 
 
@@ -162,8 +164,8 @@ def check_case(case, server, course, places):
     assert server._process is process
     assert process.poll() is None
 
-    honest = grade(course, server, Submission("honest", *HONEST_IN_AN_EMPTY_HOME))
-    assert points(honest) == POINTS["01"]
+    honest = grade(course, server, Submission("honest", *HONEST_IN_AN_EMPTY_HOME), [FIT])
+    assert points(honest) == {FIT: POINTS["01"][FIT]}
     assert honest.status == "graded"
     assert honest.notes == ()
 
