@@ -273,6 +273,31 @@ def lattice(rng: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
     yield x[rng.permutation(len(x))]
 
 
+def touching_circles(_: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
+    """Beside one of the two, a weight that decreases fast counts points of one conic only."""
+    t = 2 * np.pi * (np.arange(n // 2) + 0.5) / (n // 2)
+    x = np.full((2 * len(t), d), 0.5)
+    x[:, 0] = 2 * np.concatenate([np.cos(t) - 1, 1 - np.cos(t)])
+    x[:, 1] = 2 * np.tile(np.sin(t), 2)
+    yield x
+
+
+def helix(_: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
+    """Two turns about the third axis."""
+    t = np.linspace(0, 4 * np.pi, n)
+    x = np.full((n, d), 0.5)
+    x[:, :3] = np.column_stack([np.cos(t), np.sin(t), t / 4])
+    yield x
+
+
+def parabola(_: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
+    """In the plane of the first two axes."""
+    x = np.full((n, d), 0.5)
+    x[:, 0] = np.linspace(-1, 1, n)
+    x[:, 1] = x[:, 0] ** 2
+    yield x
+
+
 ARRANGEMENTS = {
     "one line": Arrangement(one_line),
     "two lines": Arrangement(two_lines, 2),
@@ -285,6 +310,9 @@ ARRANGEMENTS = {
     "few sites": Arrangement(few_sites),
     "merged duplicates": Arrangement(merged_duplicates),
     "lattice": Arrangement(lattice),
+    "touching circles": Arrangement(touching_circles, 2),
+    "helix": Arrangement(helix, 3),
+    "parabola": Arrangement(parabola, 2),
 }
 
 

@@ -645,6 +645,18 @@ class LeastNormParabola(LeastSquares):
     _prepare, _value_rows = Reconstruction._prepare, Reconstruction._value_rows
 
 
+class WeightsOfAnySize(MovingLeastSquares):
+    """Gives values whose weights are so large that rounding leaves no digit of them."""
+
+    def _weight_rows(self, x):
+        with mock.patch.object(moving_least_squares, "LARGEST_SUM", np.inf):
+            return super()._weight_rows(x)
+
+    def _value_rows(self, x, prepared):
+        with mock.patch.object(moving_least_squares, "LARGEST_SUM", np.inf):
+            return super()._value_rows(x, prepared)
+
+
 def made_while(right: Case, name: str, arrangement: str, where, what: str, instead) -> Case:
     """The case on an arrangement, made while a name of a module is something else."""
 
@@ -665,6 +677,7 @@ def as_they_come(keys: np.ndarray) -> np.ndarray:
 
 CUBICS = case("PU r³ on 16 sites, degree 3 in 2-D")
 GAUSSIAN = case("MLS gaussian on 8 nearest, degree 1 in 2-D")
+WIDER = case("MLS gaussian, degree 3 in 2-D")
 ONE_PATCH = case("PU with one patch in 2-D")
 CIRCLE = replace(CUBICS, arrangements=("circle",))
 
@@ -893,5 +906,10 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         made_while(CUBICS, "TiesByTheOrder", "lattice", np, "lexsort", as_they_come),
         made_while(GAUSSIAN, "NeighborsByTheOrder", "lattice", np, "lexsort", as_they_come),
         made_while(ONE_PATCH, "PatchesThatRefuse", "outlier", _blending, "EVEN", 0.0),
+        made(
+            replace(WIDER, arrangements=("touching circles",)),
+            "WeightsOfAnySize",
+            lambda p, u: WeightsOfAnySize(p, gaussian(0.4 * u), 3),
+        ),
     ],
 }

@@ -96,8 +96,12 @@ def unmasked(a: ArrayLike, name: str) -> ArrayLike:
     rows = a if isinstance(a, list | tuple) else [a]
     masked = sum(int(np.ma.count_masked(row)) for row in rows if np.ma.isMaskedArray(row))
     if masked:
-        flat = np.ndim(a) == 1 and rows[0] is a
-        remedy = f"{name}.compressed()" if flat else f"{name}[~mask]"
+        if rows[0] is not a:  # a list of arrays
+            remedy = f"{name}[~mask]"
+        elif np.ndim(a) == 1:
+            remedy = f"{name}.compressed()"
+        else:  # whole rows: `[~mask]` of the mask of the entries would make one long row of them
+            remedy = f"numpy.ma.compress_rows({name})" if np.ndim(a) == 2 else f"{name}[~mask]"
         raise ValueError(
             f"{name} must have no masked entries, and {masked} of {np.size(a)} are masked: the "
             f"numbers behind a mask are not data: leave them out, for instance by {remedy}, and "

@@ -60,8 +60,11 @@ class OrthonormalPolynomials:
             kept = int((s > 4 * (EPS * np.sqrt(n * x.shape[1]) + spread)).sum())
             last = min(kept, dimension(d, k) - dimension(d, k - 1))
             v = vt[:last].T / s[:last]
-            self._blocks.append((v / size[:, None], h @ v))
-            b, g = np.hstack([b, u[:, :last]]), np.concatenate([g, slopes @ v], axis=2)
+            # What is left of B in X - B H is divided by S, which may be small.
+            part = b.T @ u[:, :last]
+            self._blocks.append((v / size[:, None], h @ v + part))
+            g = np.concatenate([g, slopes @ v - g @ part], axis=2)
+            b = np.hstack([b, u[:, :last] - b @ part])
             if not last:
                 break
         self.at_sites = b

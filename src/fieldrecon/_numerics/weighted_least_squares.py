@@ -37,16 +37,23 @@ _ROUNDING = 1e-13
 
 
 class Undetermined(Exception):
-    """The sites of query `query` of the batch leave the coefficients undetermined: rank `rank`."""
+    """The sites of query `query` of the batch leave the coefficients undetermined: rank `rank`.
 
-    def __init__(self, query: int, rank: int) -> None:
-        super().__init__(query, rank)
-        self.query, self.rank = query, rank
+    If the rank is full, they are lost in rounding: absolute weights in the first sum to `size`.
+    """
+
+    def __init__(self, query: int, rank: int, size: float = 0.0) -> None:
+        super().__init__(query, rank, size)
+        self.query, self.rank, self.size = query, rank, size
 
 
 @one_blas_thread()
 def coefficient_weights(
-    b: np.ndarray, w: np.ndarray, rows: int, tolerance: np.ndarray
+    b: np.ndarray,
+    w: np.ndarray,
+    rows: int,
+    tolerance: np.ndarray,
+    largest: float = np.inf,
 ) -> np.ndarray:
     """First rows of C: the weights of the data in the first coefficients.
 
@@ -60,6 +67,8 @@ def coefficient_weights(
         How many coefficients are wanted.
     tolerance : (m,) ndarray
         Smallest singular value, relative to the largest, of a basis that determines them.
+    largest : float
+        Largest sum of the absolute weights in the first coefficient.
 
     Returns
     -------
@@ -69,7 +78,8 @@ def coefficient_weights(
     Raises
     ------
     Undetermined
-        If the sites with positive weight leave a polynomial undetermined.
+        If the sites with positive weight leave a polynomial undetermined, or the weights in the
+        first coefficient are too large: the sites whose weight is not negligible leave it so.
     """
     weighted = (w * w)[..., None] * b
     if rows == b.shape[2]:
@@ -83,6 +93,11 @@ def coefficient_weights(
         risky = ~safe
         _require_full_rank(b, w, tolerance, np.flatnonzero(risky))
         c[risky] = _by_qr(b[risky], w[risky])[:, :rows]
+        size = np.abs(c[risky, 0]).sum(axis=1)
+        if not size.max() <= largest:
+            worst = int(np.argmax(size))
+            query = int(np.flatnonzero(risky)[worst])
+            raise Undetermined(query, b.shape[2], float(size[worst]))
     return c
 
 

@@ -10,6 +10,10 @@ import numpy as np
 from fieldrecon.io.mesh_content import MeshContent, face_blocks
 
 
+class _NoSuchVertex(ValueError):
+    """A face has a number that no vertex has."""
+
+
 def read_obj(path: str | Path) -> MeshContent:
     """Read an OBJ file; texture coordinates, groups and materials are ignored.
 
@@ -37,8 +41,9 @@ def read_obj(path: str | Path) -> MeshContent:
                 normals.append([float(word) for word in words[:3]])
             elif kind == b"f":
                 faces.append(_face([int(word.split(b"/")[0]) for word in words], len(vertices)))
-        except ValueError:
-            raise ValueError(f"{path}, line {number}: {line.decode('latin-1')!r}") from None
+        except ValueError as error:
+            why = f": {error}" if isinstance(error, _NoSuchVertex) else ""
+            raise ValueError(f"{path}, line {number}: {line.decode('latin-1')!r}{why}") from None
     if any(len(row) < 3 for row in (*vertices, *normals)):
         raise ValueError(f"{path} holds a vertex with fewer than three coordinates")
     one_each = normals and len(normals) == len(vertices)
@@ -62,6 +67,8 @@ def _lines(content: bytes) -> Iterator[tuple[int, bytes]]:
 
 def _face(corners: list[int], n: int) -> np.ndarray:
     """Vertices of a face, from 0; in the file from 1, and negative ones back from the last of n."""
-    if any(c == 0 or c < -n for c in corners):
-        raise ValueError
+    if 0 in corners:
+        raise _NoSuchVertex("vertices are numbered from 1")
+    if min(corners, default=0) < -n:
+        raise _NoSuchVertex(f"there are {n} vertices before this line")
     return np.array([c - 1 if c > 0 else n + c for c in corners])

@@ -34,8 +34,10 @@ class LeastSquares(Reconstruction):
 
     Computed with polynomials that are orthonormal on the sites, in a local frame, so that neither
     the origin, nor the unit of length, nor a high degree costs digits. The degree itself may: on n
-    equidistant sites, degrees far beyond 2 sqrt(n) amplify the errors of the data. Interpolates
-    only if there are as many sites as coefficients.
+    equidistant sites, degrees far beyond 2 sqrt(n) amplify the errors of the data. Far from the
+    sites, and between them and an outlier, errors and rounding are multiplied by the sum of the
+    absolute weights, which grows like a power of the distance, the degree. Interpolates only if
+    there are as many sites as coefficients.
 
     Parameters
     ----------

@@ -48,6 +48,9 @@ from fieldrecon.polynomials import (
 )
 from fieldrecon.reconstruction import Reconstruction, Weights
 
+LARGEST_SUM = 1e-5 / EPS
+"""Largest sum of absolute weights of a value: rounding then leaves it five digits."""
+
 
 class MovingLeastSquares(Reconstruction):
     """Moving least squares, c(x) = argmin 1/2 |W(x) (B c - V)|^2 and f(x) = b(x)^T c(x).
@@ -89,7 +92,9 @@ class MovingLeastSquares(Reconstruction):
     ValueError
         If an argument has the wrong form; if `neighbors` is not less than the number of sites.
     numpy.linalg.LinAlgError
-        If the points, or later those about a query, do not determine a polynomial of this degree.
+        If the points, or later those about a query, do not determine a polynomial of this degree,
+        or leave it fewer than five digits: far from sites near one conic, for instance, if the
+        weight decreases so fast that all other sites are negligible.
 
     References
     ----------
@@ -379,13 +384,22 @@ class LocalFit:
         try:
             if self.method.coincident:
                 return self._shared_weights(rows)
-            return coefficient_weights(self.basis, self.weight, rows, self._tolerance())
+            return self._determined_weights(self.weight, rows)
         except Undetermined as error:
             where = format_point(self.x[error.query])
             counted = int((self.weight[error.query] > 0).sum())
             who = f"the {counted} sites that count at the query ({where}) do"
             d, degree = self.x.shape[1], self.method.degree
+            if error.size:
+                raise np.linalg.LinAlgError(
+                    f"{who} not determine a polynomial of degree {degree} beyond rounding: the "
+                    f"absolute weights of their data sum to {error.size:.0e}; lower the degree, or "
+                    "choose a weight that decreases more slowly or more neighbors"
+                ) from None
             raise undetermined(d, degree, error.rank, who) from None
+
+    def _determined_weights(self, w: np.ndarray, rows: int) -> np.ndarray:
+        return coefficient_weights(self.basis, w, rows, self._tolerance(), LARGEST_SUM)
 
     def _shared_weights(self, rows: int) -> np.ndarray:
         """C where sites coincide: one site of each group enters the fit, and all share its weights.
@@ -397,7 +411,7 @@ class LocalFit:
         label = np.where(self.near.missing, nowhere, self.method.labels[self.near.index])
         lead, count = group_rows(label)
         w = np.where(lead == np.arange(k), np.sqrt(count) * self.weight, 0.0)
-        c = coefficient_weights(self.basis, w, rows, self._tolerance())
+        c = self._determined_weights(w, rows)
         return np.take_along_axis(c, lead[:, None, :], axis=2) / count[:, None, :]
 
     def residuals(self, data: np.ndarray) -> np.ndarray:

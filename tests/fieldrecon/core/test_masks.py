@@ -352,6 +352,14 @@ def test_a_mask_that_masks_nothing_is_ignored():
                 np.testing.assert_array_equal(result, expected)
 
 
+def test_the_remedy_for_points_keeps_whole_rows():
+    """What the message says can be pasted: the mask of the entries would select no rows."""
+    points = np.ma.masked_greater([[0.0, 0.0], [1.0, 9.0], [2.0, 3.0]], 5.0)
+    with refused(r"1 of 6 are .* numpy\.ma\.compress_rows\(points\), and the same rows"):
+        fr.LeastSquares(points)
+    assert np.ma.compress_rows(points).tolist() == [[0.0, 0.0], [2.0, 3.0]]
+
+
 def test_masked_arrays_in_a_list_are_refused():
     """Columns of a table are often given so."""
     column = np.ma.array(LINE, mask=LINE == 3)

@@ -158,6 +158,7 @@ def test_indices_of_obj_files_count_back_if_negative(tmp_path):
     for faces in ("f -3 -2 -1\n", "f 1// -2/4 \\\n-1/4/4\n", "f\t-3/1 2 3\n"):
         path = written(tmp_path, above + faces + below + "f -1 1 -3\n", "mesh.obj")
         assert read_triangles(path)[1].tolist() == [[0, 1, 2], [3, 0, 1]]
-    for wrong in ("f 0 1 2", "f -4 1 2"):
-        with pytest.raises(ValueError, match=f"mesh.obj, line 4: '{wrong}'"):
+    none = {"f 0 1 2": "vertices are numbered from 1", "f -4 1 2": "there are 3 vertices before"}
+    for wrong, why in none.items():
+        with pytest.raises(ValueError, match=f"mesh.obj, line 4: '{wrong}': {why}"):
             read_triangles(written(tmp_path, above + wrong, "mesh.obj"))

@@ -29,6 +29,18 @@ def test_coefficients_equal_the_least_squares_solution_of_numpy(case: Case):
     assert_close(s(case.queries), monomials(case.queries, case.method.degree) @ c, 1e-8)
 
 
+def test_the_basis_is_orthonormal_with_an_outlier():
+    """Beside a point at 1e5 spacings the others are narrow: what is left of 1 in x must be small.
+
+    Between them the absolute weights sum to 2e5, and constants keep the digits that this leaves.
+    """
+    points = np.vstack([halton(60, 2), [[3e4, 9e4]]])
+    method, x = LeastSquares(points), np.array([[7.5e4, 2e4], [-4e4, 3e4]])
+    assert_close(method.field(np.ones(61))(x), np.ones(2), EXACT)
+    assert_close(method.weights(x).sum(axis=1), np.ones(2), EXACT)
+    assert_close(method.weights(points).sum(axis=1), np.ones(61), 1e-14)
+
+
 @pytest.mark.parametrize("degree", [0, 1, 2, 3])
 def test_the_normal_equations_agree_near_the_origin(degree):
     """H_LS c = BᵀV with H_LS = BᵀB, p. 5."""
