@@ -192,6 +192,23 @@ def test_the_mean_is_that_of_the_best_variants_of_its_parts():
                 assert score.reason == ""
 
 
+def test_a_variant_is_fitted_once_on_each_fold():
+    """Though it is compared on the first folds, then on all, and again within a mean."""
+    sizes = []
+
+    def fitted(points):
+        sizes.append(len(points))
+        return LeastSquares(points)
+
+    plane = Model("plane", "LS", "", lambda _: [[fitted]])
+    both = Model("both", "LS", "", lambda _: [], parts=(plane, MODELS["ls2"]))
+    points = uniform(100, 2, seed=0)
+    validator = CrossValidator.of(points, franke(points))
+    scores = validator.compare([plane, both])
+    assert [score.n_held_out for score in scores] == 2 * [validator.n_held_out]
+    assert sizes == [len(fold.fitted) for fold in validator.folds]
+
+
 def test_the_mean_needs_all_of_its_parts():
     """A part without a field is named with its reason."""
     few = Model("few", "LS", "", MODELS["ls2"].makers)
