@@ -58,6 +58,16 @@ def test_crossing_copies_are_named_on_the_page(tmp_path):
     assert sentence in found.report(tmp_path / "a.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
+def test_one_edge_that_remains_is_counted_as_one():
+    """The edge of a sheet through the body, which is not a fin."""
+    points, triangles = map(np.asarray, sphere(1))
+    a, b = triangles[0, :2]
+    sheet = np.vstack([points, [-3 * points[a]]]), np.vstack([triangles, [[a, b, len(points)]]])
+    (sentence,) = (one for one in told(sheet) if "nonmanifold" in one)
+    assert sentence.startswith("1 nonmanifold edge remains: ")
+
+
 QUADS = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
 
 
