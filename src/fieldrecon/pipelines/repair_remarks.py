@@ -30,14 +30,14 @@ def remarks(
         return
     if crossings := len(audit.crossings) + len(audit.overlaps):
         yield (
-            f"{in_words('crossings', crossings)} of triangles remain: the mesh does not determine "
-            "which of the surfaces that cross bounds the body. The command surface with the "
-            "option polygons makes a closed surface around all triangles."
+            f"{in_words('crossings', crossings)} of triangles {_remain(crossings)}: the mesh does "
+            "not determine which of the surfaces that cross bounds the body. The command surface "
+            "with the option polygons makes a closed surface around all triangles."
         )
     if count := len(audit.nonmanifold_edges):
         yield (
-            f"{in_words('nonmanifold_edges', count)} remain: more than two surfaces meet there, "
-            "and none of them is a small fin with a free edge."
+            f"{in_words('nonmanifold_edges', count)} {_remain(count)}: more than two surfaces meet "
+            "there, and none of them is a small fin with a free edge."
         )
     yield from _hole_remarks(points, triangles, largest_hole)
 
@@ -91,6 +91,10 @@ def _hole_remarks(p: np.ndarray, t: np.ndarray, largest: float) -> Iterator[str]
             f"{in_words('holes', blocked)} {_was(blocked)} not filled, since the triangles of "
             "least area would cross or touch others there."
         )
+
+
+def _remain(count: int) -> str:
+    return "remains" if count == 1 else "remain"
 
 
 def _was(count: int) -> str:

@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from fieldrecon.io.targets import Targets, TargetValues
 from fieldrecon.methods.globe import to_unit
-from fieldrecon.plotting.style import SEQUENTIAL, figure
+from fieldrecon.plotting.style import PLAIN_NUMBERS, SEQUENTIAL, figure
 from fieldrecon.selection.extrapolation import AMONG, OUTSIDE
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ def _picture(
     colors: dict[str, Any],
     label: str,
 ) -> Figure:
-    with figure(_WIDTH, _HEIGHT) as (page, axes):
+    with figure(_WIDTH, _HEIGHT, settings=PLAIN_NUMBERS) as (page, axes):
         draw = _draw_grid if result.targets.axes else _draw_scattered
         picture = draw(axes, result, values, colors)
         if survey.result.targets.points.shape[1] == 2 and len(survey.samples.points) <= _SAMPLES:

@@ -35,6 +35,7 @@ __all__ = [
     "METHOD_COLORS",
     "METHOD_LINESTYLES",
     "METHOD_MARKERS",
+    "PLAIN_NUMBERS",
     "SEQUENTIAL",
     "SHADE",
     "StyledFigure",
@@ -148,6 +149,9 @@ RC: Any = {
     "text.usetex": False,
 }
 
+PLAIN_NUMBERS: Mapping[str, Any] = {"axes.formatter.use_mathtext": False}
+"""Numbers at the axes as text: formulas take nearly a tenth of the time of a reconstruction."""
+
 NO_CLOCK: Mapping[str, Mapping[str, None]] = {
     "svg": {"Date": None, "Creator": None},
     "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
@@ -208,6 +212,7 @@ def figure(
     *,
     rows: int = 1,
     columns: int = 1,
+    settings: Any = MappingProxyType({}),
     **subplots: Any,
 ) -> Iterator[tuple[Figure, Any]]:
     """Figure and axes in the style of the report.
@@ -218,6 +223,8 @@ def figure(
         Inches, as printed. The height defaults to rows of golden rectangles.
     rows, columns : int
         Number of axes; one gives the `Axes` itself, more give an array as ``Figure.subplots``.
+    settings : mapping
+        Settings of Matplotlib that differ from those of the report while it is drawn.
     **subplots
         Passed to ``Figure.subplots``: `sharex`, `sharey`, `width_ratios`, `subplot_kw` and so on.
 
@@ -227,7 +234,7 @@ def figure(
         The figure and its axes. Draw inside the ``with``; save whenever you like.
     """
     height = height or 0.62 * width * rows / columns + 0.25
-    with style():
+    with style(settings):
         page = StyledFigure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(page)
         yield page, page.subplots(rows, columns, **subplots)

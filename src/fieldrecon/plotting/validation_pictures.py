@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from fieldrecon.plotting.style import figure
+from fieldrecon.plotting.style import PLAIN_NUMBERS, figure
 
 if TYPE_CHECKING:
     from fieldrecon.pipelines.validation import Validation
@@ -23,7 +23,7 @@ def plot_distances(validation: Validation) -> Figure:
         "held-out samples": (validation.held_out, "--"),
         "leave-one-out": (validation.leave_one_out, ":"),
     }
-    with figure(_WIDTH, _HEIGHT) as (page, axes):
+    with figure(_WIDTH, _HEIGHT, settings=PLAIN_NUMBERS) as (page, axes):
         for label, (distances, style) in curves.items():
             fraction = np.arange(1, len(distances) + 1) / len(distances)
             axes.plot(np.sort(distances), fraction, style, label=label)
@@ -42,7 +42,7 @@ def plot_held_out(validation: Validation, name: str) -> Figure:
     """Draw the values at the held-out samples against the predicted ones."""
     predicted = validation.values - validation.residuals
     ends = np.array([validation.values.min(), validation.values.max()])
-    with figure(_WIDTH, _HEIGHT) as (page, axes):
+    with figure(_WIDTH, _HEIGHT, settings=PLAIN_NUMBERS) as (page, axes):
         axes.plot(predicted, validation.values, ".", markersize=2.5)
         axes.plot(ends, ends, "-", linewidth=0.8, color="black")
         axes.set(xlabel=f"{name}, predicted", ylabel=f"{name}, held out")
@@ -52,7 +52,7 @@ def plot_held_out(validation: Validation, name: str) -> Figure:
 def plot_variogram(variogram: Variogram, name: str) -> Figure:
     """Draw the variogram of the samples, its model, the nugget, and the range if there is one."""
     h = np.linspace(0.0, variogram.distances.max(), 200)
-    with figure(_WIDTH, _HEIGHT) as (page, axes):
+    with figure(_WIDTH, _HEIGHT, settings=PLAIN_NUMBERS) as (page, axes):
         axes.plot(variogram.distances, variogram.values, "o", markersize=3, label="samples")
         axes.plot(h, variogram(h), "-", color="black", label="exponential model")
         axes.axhline(variogram.nugget, linestyle=":", color="black", linewidth=0.9, label="nugget")

@@ -12,7 +12,7 @@ value depends only on the samples near by.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import TypeVar
 
@@ -32,6 +32,7 @@ from fieldrecon.selection.models import (
     Maker,
     Model,
     mean_of,
+    parts_of_mean,
     with_variances,
     with_wide_patches,
 )
@@ -154,6 +155,10 @@ class CrossValidator:
     values: np.ndarray
     folds: tuple[Fold, ...]
     variances: np.ndarray | None = None
+    _known: dict[tuple[Maker, Fold], np.ndarray] = field(
+        default_factory=dict, init=False, repr=False
+    )
+    """Residuals that are known: a variant is compared on the first folds, and again on all."""
 
     @classmethod
     def of(
@@ -301,10 +306,17 @@ class CrossValidator:
         return np.concatenate([self._residuals(maker, fold) for fold in self.folds])
 
     def _residuals(self, maker: Maker, fold: Fold) -> np.ndarray:
+        if (maker, fold) not in self._known:
+            self._known[maker, fold] = self._new_residuals(maker, fold)
+        return self._known[maker, fold]
+
+    def _new_residuals(self, maker: Maker, fold: Fold) -> np.ndarray:
+        if parts := parts_of_mean(maker):
+            return np.mean([self._residuals(part, fold) for part in parts], axis=0)
         if self.variances is not None:
             maker = with_variances(maker, self.variances[fold.fitted])
-        field = maker(self.points[fold.fitted]).field(self.values[fold.fitted])
-        return self.values[fold.held_out] - field(self.points[fold.held_out])
+        fitted = maker(self.points[fold.fitted]).field(self.values[fold.fitted])
+        return self.values[fold.held_out] - fitted(self.points[fold.held_out])
 
 
 def _by_caution(scores: list[ModelScore]) -> list[ModelScore]:

@@ -121,12 +121,20 @@ def mean_of(makers: Sequence[Maker]) -> Maker:
     return partial(Mean, methods=tuple(makers))
 
 
+def parts_of_mean(maker: Maker) -> tuple[Maker, ...]:
+    """The variants of which this one is the mean; none if it is not a mean."""
+    if isinstance(maker, partial) and maker.func is Mean:
+        parts: tuple[Maker, ...] = maker.keywords["methods"]
+        return parts
+    return ()
+
+
 def _changed(maker: Maker, change: Callable[[Maker], Maker]) -> Maker:
     """The variant with a change of the methods that fit the values: those within others."""
     if isinstance(maker, partial) and maker.func is OnTangentPlane:
         return partial(maker, method=_changed(maker.keywords["method"], change))
-    if isinstance(maker, partial) and maker.func is Mean:
-        return mean_of([_changed(one, change) for one in maker.keywords["methods"]])
+    if parts := parts_of_mean(maker):
+        return mean_of([_changed(one, change) for one in parts])
     return change(maker)
 
 
@@ -134,8 +142,8 @@ def _innermost(maker: Maker) -> list[Maker]:
     """The methods that fit the values: those within others."""
     if isinstance(maker, partial) and maker.func is OnTangentPlane:
         return _innermost(maker.keywords["method"])
-    if isinstance(maker, partial) and maker.func is Mean:
-        return [one for part in maker.keywords["methods"] for one in _innermost(part)]
+    if parts := parts_of_mean(maker):
+        return [one for part in parts for one in _innermost(part)]
     return [maker]
 
 

@@ -103,7 +103,7 @@ def test_degrees_are_known_by_their_units():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["smooth", "pu2"])
+@pytest.mark.parametrize("method", ["smooth", "pu2", "mean"])
 @pytest.mark.parametrize("lonlat", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_uncertain_samples_count_less(method, lonlat):
     """With their standard deviations the error is less than half of that without them."""
@@ -124,6 +124,21 @@ def test_uncertain_samples_count_less(method, lonlat):
     assert "The smoothing is proportional to the variances of the samples." in again.warnings
     equal = plane(table, value="depth", sigma="std", method="ls1")
     assert any(w.startswith("The method takes all samples as equally") for w in equal.warnings)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "options", [{"lonlat": True, "sigma": np.linspace(0.01, 0.02, 60)}, {"anisotropy": "3:45"}]
+)
+def test_the_mean_of_two_methods_is_saved_with_all_that_makes_it(tmp_path, options):
+    """With the plane of a region of the globe, the noise of each sample, and the distances."""
+    values = np.column_stack([np.sin(3 * POINTS[:, 0]), np.cos(3 * POINTS[:, 1])])
+    survey = plane(POINTS, value=values, method="mean", **options)
+    assert survey.method.startswith("mean, mean of pu1 and pu2")
+    assert abs(survey.predict(POINTS).values - values).max() < 0.2
+    fr.save(tmp_path / "f.npz", survey.field)
+    again = plane(load=tmp_path / "f.npz").result
+    assert np.array_equal(again.values, survey.result.values)
 
 
 def test_the_mean_of_repeated_samples_is_more_certain():

@@ -58,6 +58,15 @@ def test_crossing_copies_are_named_on_the_page(tmp_path):
     assert sentence in found.report(tmp_path / "a.html").read_text(encoding="utf-8")
 
 
+def test_one_edge_that_remains_is_counted_as_one():
+    """The common edge of two tetrahedra, which is not a fin."""
+    points = [(0, 0, 0), (0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)]
+    first = [(2, 1, 0), (3, 2, 0), (1, 3, 0), (3, 1, 2)]
+    second = [(4, 1, 0), (5, 4, 0), (1, 5, 0), (5, 1, 4)]
+    (sentence,) = told((np.array(points, dtype=float), np.array([*first, *second])))
+    assert sentence.startswith("1 nonmanifold edge remains: ")
+
+
 QUADS = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
 
 

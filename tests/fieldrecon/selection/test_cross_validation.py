@@ -7,7 +7,13 @@ from fieldrecon import LeastSquares, leave_one_out
 from fieldrecon.datasets.synthetic import clustered, franke, halton, uniform
 from fieldrecon.selection import cross_validation as module
 from fieldrecon.selection.cross_validation import CrossValidator, ModelScore, _by_caution, best
-from fieldrecon.selection.models import MODELS, Model, mean_of, with_wide_patches
+from fieldrecon.selection.models import (
+    MODELS,
+    Model,
+    mean_of,
+    with_variances,
+    with_wide_patches,
+)
 
 EXACT = 1e-8
 ALONE = {name: model for name, model in MODELS.items() if not model.parts}
@@ -178,18 +184,40 @@ def test_only_smoothed_patches_become_wide():
 
 
 def test_the_mean_is_that_of_the_best_variants_of_its_parts():
-    """Its residuals are the means of theirs, also on a tangent plane and with a noise of each."""
-    points, mean = np.add(uniform(150, 3, seed=2), [0, 0, 1]), MODELS["mean"]
+    """Its residuals are those of its field, also on a tangent plane and with a noise of each."""
+    points, mean = np.add(uniform(420, 3, seed=2), [0, 0, 1]), MODELS["mean"]
     points /= np.linalg.norm(points, axis=1)[:, None]
-    values = franke(points[:, :2]) + 0.1 * np.random.default_rng(0).standard_normal(150)
-    for variances in (None, 0.01 + points[:, 0] ** 2):
+    values = franke(points[:, :2]) + 0.1 * np.random.default_rng(0).standard_normal(420)
+    flat = mean.on_tangent_plane(points.mean(axis=0))
+    for model, variances in ((mean, None), (flat, 0.01 + points[:, 0] ** 2)):
         validator = CrossValidator.of(points, values, variances=variances)
-        for model in (mean, mean.on_tangent_plane(points.mean(axis=0))):
-            parts = [validator.evaluate(part) for part in model.parts]
-            expected = np.mean([part.residuals for part in parts], axis=0)
-            for score in (validator.evaluate(model), validator.evaluate(model, known=parts)):
-                np.testing.assert_allclose(score.residuals, expected, atol=1e-9)
-                assert score.reason == ""
+        parts = [validator.evaluate(part) for part in model.parts]
+        expected = np.mean([part.residuals for part in parts], axis=0)
+        for score in (validator.evaluate(model), validator.evaluate(model, known=parts)):
+            np.testing.assert_allclose(score.residuals, expected, atol=1e-9)
+            assert score.reason == ""
+        fold = validator.folds[0]
+        noise = None if variances is None else variances[fold.fitted]
+        fitted = with_variances(score.maker, noise)(points[fold.fitted])
+        own = values[fold.held_out] - fitted.field(values[fold.fitted])(points[fold.held_out])
+        np.testing.assert_allclose(score.residuals[: len(own)], own, atol=1e-9)
+
+
+def test_a_variant_is_fitted_once_on_each_fold():
+    """Though it is compared on the first folds, then on all, and again within a mean."""
+    sizes = []
+
+    def fitted(points):
+        sizes.append(len(points))
+        return LeastSquares(points)
+
+    plane = Model("plane", "LS", "", lambda _: [[fitted]])
+    both = Model("both", "LS", "", lambda _: [], parts=(plane, MODELS["ls2"]))
+    points = uniform(100, 2, seed=0)
+    validator = CrossValidator.of(points, franke(points))
+    scores = validator.compare([plane, both])
+    assert [score.n_held_out for score in scores] == 2 * [validator.n_held_out]
+    assert sizes == [len(fold.fitted) for fold in validator.folds]
 
 
 def test_the_mean_needs_all_of_its_parts():
