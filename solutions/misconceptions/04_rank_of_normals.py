@@ -415,8 +415,9 @@ def compared_by_one_component(points, normals):
 
 @answers("04.5")
 def only_along_the_axes(points, normals):
-    """Bad directions are found only along the axes. If all samples are rotated, the answer must
-    stay the same. Are other directions tested, and is n · m compared with zero up to rounding?
+    """Bad directions are found only at a few fixed angles, such as along the axes. If all samples
+    are rotated, the answer must stay the same. Which directions are tested, and is n · m compared
+    with zero up to rounding?
     """
     return spans(points[np.abs(normals[:, 0]) > 1e-9]) and spans(
         points[np.abs(normals[:, 1]) > 1e-9]
@@ -502,6 +503,14 @@ def tried_along_the_normals(points, normals):
     perpendicular to its normal.
     """
     return all(spans(points[np.abs(normals @ n) > 1e-9]) for n in normals)
+
+
+@answers("04.5", named=False)
+def compared_by_isclose(points, normals):
+    """`numpy.isclose` counts every product up to 10⁻⁸ as zero. The question states 10⁻⁹."""
+    b = np.insert(points, 0, 1.0, axis=1)
+    tangents = np.column_stack([-normals[:, 1], normals[:, 0]])
+    return all(np.linalg.matrix_rank(b[~np.isclose(normals @ m, 0)]) == 3 for m in tangents)
 
 
 # 04.6 Stars
