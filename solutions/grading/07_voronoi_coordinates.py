@@ -23,7 +23,11 @@ def far_and_flat(seed):
     far = (
         random.random((3, 2)) * [1.0, 0.2] + [300.0, -200.0] + np.array([[0, 0], [2, 0], [1, 0.4]])
     )
-    return (Call("circumcenter", tuple(far), "a flat triangle far from the origin"),)
+    nearly = np.array([[0.3, 0.2], [1.5, 0.2003], [0.3002, 1.1]]) + random.normal(size=2)
+    return (
+        Call("circumcenter", tuple(far), "a flat triangle far from the origin"),
+        Call("circumcenter", tuple(nearly), "nearly a right angle"),
+    )
 
 
 @hidden("07.4", "It must hold for three neighbours and for ten.")
