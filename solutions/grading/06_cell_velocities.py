@@ -54,7 +54,7 @@ def defect_in_other_units(seed):
 
 @hidden(
     "06.4",
-    "It must hold for a right angle, where it is the middle of a side, and for small triangles.",
+    "It must hold for right angles, where it is the middle of a side, near them, and if small.",
 )
 def circumcentre_of_a_right_angle(seed):
     random = np.random.default_rng(seed + 4)

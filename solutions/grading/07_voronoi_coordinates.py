@@ -17,7 +17,7 @@ from fieldcheck.questions.q07_voronoi_coordinates import (
 from fieldgrade.authoring.hidden_cases import hidden
 
 
-@hidden("07.2", "It must hold far from the origin, and for flat triangles.")
+@hidden("07.2", "It must hold far from the origin, for flat triangles, and near a right angle.")
 def far_and_flat(seed):
     random = np.random.default_rng(seed + 1)
     far = (
