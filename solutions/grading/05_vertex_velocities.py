@@ -41,7 +41,7 @@ def fans(seed):
     larger = (
         (mesh(random, 11, 12)[1], "a mesh of more than a hundred vertices"),
         (mesh(random, 18, 17)[1], "a mesh of more than three hundred vertices"),
-        (part_of_a_mesh(random, 40), "four triangles of a larger mesh"),
+        (part_of_a_mesh(random, 40), "a part of a mesh with larger numbers"),
     )
     return (*small, *(Call("edges_of", (triangles,), case) for triangles, case in larger))
 

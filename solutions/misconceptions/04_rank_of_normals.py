@@ -505,14 +505,6 @@ def tried_along_the_normals(points, normals):
     return all(spans(points[np.abs(normals @ n) > 1e-9]) for n in normals)
 
 
-@answers("04.5", named=False)
-def compared_by_isclose(points, normals):
-    """`numpy.isclose` counts every product up to 10⁻⁸ as zero. The question states 10⁻⁹."""
-    b = np.insert(points, 0, 1.0, axis=1)
-    tangents = np.column_stack([-normals[:, 1], normals[:, 0]])
-    return all(np.linalg.matrix_rank(b[~np.isclose(normals @ m, 0)]) == 3 for m in tangents)
-
-
 # 04.6 Stars
 
 

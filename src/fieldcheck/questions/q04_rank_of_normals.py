@@ -326,8 +326,8 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
             parallel_except(random, 7, (3, 4, 5)),
             "three other normals, one at the origin",
         ),
-        (spread, slightly_rotated(random, (0, 1, 2)), "three normals at an angle of 4·10⁻⁹"),
-        (spread, slightly_rotated(random, (1, 3, 5)), "three other normals at an angle of 4·10⁻⁹"),
+        (spread, slightly_rotated(random, (0, 1, 2)), "three normals at an angle of 10⁻⁵"),
+        (spread, slightly_rotated(random, (1, 3, 5)), "three other normals at an angle of 10⁻⁵"),
         (
             np.append(line[:4], points[:3], axis=0),
             directions(random, 7),
@@ -430,11 +430,8 @@ def two_bow_ties(random: np.random.Generator) -> np.ndarray:
 
 
 def slightly_rotated(random: np.random.Generator, others: Sequence[int]) -> np.ndarray:
-    """Return seven normals of which some differ from the direction of the rest by small angles.
-
-    They are above the tolerance of the question, and below that of `numpy.isclose`.
-    """
-    small = 4e-9 * random.uniform(0.5, 1, 7) * np.isin(np.arange(7), others)
+    """Return seven normals of which some differ from the direction of the rest by small angles."""
+    small = 1e-5 * random.uniform(0.5, 1, 7) * np.isin(np.arange(7), others)
     angles = random.uniform(0.2, 1.2) + small
     return np.column_stack([np.cos(angles), np.sin(angles)])
 
