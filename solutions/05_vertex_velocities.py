@@ -175,7 +175,8 @@ print(areas(four_points, two_triangles))
 # An *edge* is a pair of vertices that is a side of a triangle. An inner edge belongs to two
 # triangles, a boundary edge to one. Write a function that lists the edges, each once. The order of
 # the edges, and which end of an edge comes first, are arbitrary. The corners of a triangle may be
-# listed in either orientation.
+# listed in either orientation. The triangles may be a part of a mesh, in which not every vertex
+# occurs.
 #
 # <details><summary>Hint</summary>
 #

@@ -34,25 +34,29 @@ def on_the_line(seed):
     )
 
 
-@hidden("03.4", "Places may coincide with all points of the data, and there may be one place only.")
+@hidden(
+    "03.4", "Evaluation points may coincide with all centres, and there may be one of them only."
+)
 def at_the_points_themselves(seed):
     random = np.random.default_rng(seed + 4)
-    points, c = cloud(random, 7, 2), random.normal(size=3)
-    lam = random.normal(size=7)
+    points, c = cloud(random, 20, 2), random.normal(size=3)
+    lam = random.normal(size=20)
     return (
         Call("evaluate", (points, lam, c, points), "the points themselves", exact=(0, 3)),
-        Call("evaluate", (points, lam, c, random.random((1, 2))), "one place"),
+        Call("evaluate", (points, lam, c, random.random((1, 2))), "one evaluation point"),
     )
 
 
-@hidden("03.6", "Places may coincide with all points of the data, and there may be one place only.")
+@hidden(
+    "03.6", "Evaluation points may coincide with all centres, and there may be one of them only."
+)
 def gradient_at_the_points_themselves(seed):
     random = np.random.default_rng(seed + 5)
-    points, c = cloud(random, 7, 2), random.normal(size=3)
-    lam = random.normal(size=7)
+    points, c = cloud(random, 20, 2), random.normal(size=3)
+    lam = random.normal(size=20)
     return (
         Call("gradient", (points, lam, c, points), "the points themselves", exact=(0, 3)),
-        Call("gradient", (points, lam, c, random.random((1, 2))), "one place"),
+        Call("gradient", (points, lam, c, random.random((1, 2))), "one evaluation point"),
     )
 
 

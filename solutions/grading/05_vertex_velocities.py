@@ -4,7 +4,7 @@ import numpy as np
 from scipy.linalg import qr
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q05_vertex_velocities import mesh
+from fieldcheck.questions.q05_vertex_velocities import mesh, part_of_a_mesh
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -41,6 +41,7 @@ def fans(seed):
     larger = (
         (mesh(random, 11, 12)[1], "a mesh of more than a hundred vertices"),
         (mesh(random, 18, 17)[1], "a mesh of more than three hundred vertices"),
+        (part_of_a_mesh(random, 40), "a part of a mesh with larger numbers"),
     )
     return (*small, *(Call("edges_of", (triangles,), case) for triangles, case in larger))
 
@@ -50,7 +51,7 @@ def short_and_long(seed):
     random = np.random.default_rng(seed + 2)
     points, triangles = fan(random, 5)
     return (
-        Call("midpoints_and_normals", (1e-5 * points, sides(triangles)), "a small mesh"),
+        Call("midpoints_and_normals", (1e-10 * points, sides(triangles)), "a small mesh"),
         Call("midpoints_and_normals", (1e4 * points, sides(triangles)), "a large mesh"),
     )
 
@@ -111,7 +112,7 @@ def exact_data(seed):
 def of_fans(seed):
     random = np.random.default_rng(seed + 6)
     return tuple(
-        Call("ranks", (size * p, t, 1), f"{n} triangles")
-        for n, size in ((3, 1e-8), (4, 1e5), (5, 1.0))
+        Call("ranks", (size * p, t, rings), f"{n} triangles")
+        for n, size, rings in ((3, 1e-8, 1), (4, 1e5, 2), (5, 1.0, 1))
         for p, t in [fan(random, n)]
     )

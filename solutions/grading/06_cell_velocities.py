@@ -54,12 +54,14 @@ def defect_in_other_units(seed):
 
 @hidden(
     "06.4",
-    "It must hold for a right angle, where it is the middle of a side, and for small triangles.",
+    "It must hold for right angles, where it is the middle of a side, near them, and if small.",
 )
 def circumcentre_of_a_right_angle(seed):
     random = np.random.default_rng(seed + 4)
-    return tuple(
-        Call("circumcentre", (right_angle(random, size),), "a triangle") for size in (1e-2, 1.0)
+    nearly = right_angle(random, 1.0) + 3e-4 * random.uniform(-1, 1, (3, 2))
+    return (
+        *(Call("circumcentre", (right_angle(random, size),), "a triangle") for size in (1e-2, 1.0)),
+        Call("circumcentre", (nearly,), "nearly a right angle"),
     )
 
 

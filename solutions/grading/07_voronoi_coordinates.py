@@ -17,13 +17,17 @@ from fieldcheck.questions.q07_voronoi_coordinates import (
 from fieldgrade.authoring.hidden_cases import hidden
 
 
-@hidden("07.2", "It must hold far from the origin, and for flat triangles.")
+@hidden("07.2", "It must hold far from the origin, for flat triangles, and near a right angle.")
 def far_and_flat(seed):
     random = np.random.default_rng(seed + 1)
     far = (
         random.random((3, 2)) * [1.0, 0.2] + [300.0, -200.0] + np.array([[0, 0], [2, 0], [1, 0.4]])
     )
-    return (Call("circumcenter", tuple(far), "a flat triangle far from the origin"),)
+    nearly = np.array([[0.3, 0.2], [1.5, 0.2003], [0.3002, 1.1]]) + random.normal(size=2)
+    return (
+        Call("circumcenter", tuple(far), "a flat triangle far from the origin"),
+        Call("circumcenter", tuple(nearly), "nearly a right angle"),
+    )
 
 
 @hidden("07.4", "It must hold for three neighbours and for ten.")

@@ -215,6 +215,22 @@ def values_weighted_alone(points, values, w):
     return np.linalg.lstsq(basis(points), w * values)[0]
 
 
+@answers("02.2", named=False)
+def one_measurement_for_each_point(points, values, w):
+    """A point that is measured twice has two equations in (2.4), and both of them count."""
+    first = np.unique(points, axis=0, return_index=True)[1]
+    return solved(points[first], values[first], w[first] ** 2)
+
+
+@answers("02.2", named=False)
+def small_weights_set_to_zero(points, values, w):
+    """Small weights were set to zero. If one weight is large, all others may be small, and they
+    still determine the fit.
+    """
+    kept = np.where(w < 1e-2 * w.max(), 0, w)
+    return np.linalg.lstsq(basis(points) * kept[:, None], values * kept, rcond=None)[0]
+
+
 # 02.4 field
 
 
@@ -484,6 +500,24 @@ def differenced(points, values, x, epsilon, h):
 def difference_quotient(points, values, x, epsilon):
     """A difference quotient with a fixed step is inaccurate in other units of length."""
     return differenced(points, values, x, epsilon, 1e-5)
+
+
+@answers("02.7", named=False)
+def slope_at_the_points_of_the_data(points, values, x, epsilon):
+    """At a point of the data only the derivative of its own weight vanishes, not the whole second
+    term of (2.8): the other weights change there as well.
+    """
+    rows = []
+    for place in x:
+        w = weight(points, place, epsilon)
+        c = local(points, values, place, epsilon)
+        residual = values - basis(points) @ c
+        changes = [
+            value_at(solved(points, -4 * w * (place - points)[:, k] * residual, w**2), place)
+            for k in range(len(place))
+        ]
+        rows.append(c[1:] + changes * (distances(points, place).min() > 0))
+    return np.array(rows)
 
 
 # 02.8 errors

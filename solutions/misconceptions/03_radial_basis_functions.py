@@ -214,6 +214,20 @@ def distances_for_the_kernel(points):
     return bordered(np.sqrt(squares(offsets(points, points))), basis(points))
 
 
+@answers("03.2", named=False)
+def small_number_on_the_diagonal(points):
+    """A small number was added to the diagonal. Where the points are close together, the kernels
+    are as small, and the field no longer interpolates the values.
+    """
+    n, d = points.shape
+    s = ((points[:, None] - points) ** 2).sum(axis=-1)
+    h = np.zeros((n + d + 1, n + d + 1))
+    h[:n, :n] = s * np.log(np.where(s > 0, s, 1))
+    h[:n, n], h[:n, n + 1 :] = 1, points
+    h[n:, :n] = h[:n, n:].T
+    return h + 1e-10 * np.eye(len(h))
+
+
 # 03.3 The coefficients
 
 

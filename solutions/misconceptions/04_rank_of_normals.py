@@ -415,8 +415,9 @@ def compared_by_one_component(points, normals):
 
 @answers("04.5")
 def only_along_the_axes(points, normals):
-    """Bad directions are found only along the axes. If all samples are rotated, the answer must
-    stay the same. Are other directions tested, and is n · m compared with zero up to rounding?
+    """Bad directions are found only at a few fixed angles, such as along the axes. If all samples
+    are rotated, the answer must stay the same. Which directions are tested, and is n · m compared
+    with zero up to rounding?
     """
     return spans(points[np.abs(normals[:, 0]) > 1e-9]) and spans(
         points[np.abs(normals[:, 1]) > 1e-9]

@@ -120,6 +120,16 @@ def directions_told_apart(triangles):
     )
 
 
+@answers("05.1", named=False)
+def number_of_a_pair(triangles):
+    """Different pairs have the same number i T + j where vertex numbers exceed the number T of
+    triangles, as in a part of a mesh.
+    """
+    pairs = np.sort(np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]))
+    number = pairs[:, 0] * max(3, len(triangles)) + pairs[:, 1]
+    return pairs[np.unique(number, return_index=True)[1]]
+
+
 # 05.2 midpoints_and_normals
 
 
@@ -552,6 +562,14 @@ def small_singular_values_dropped(midpoints, normals, v, x, w):
     """Singular values below a hundredth of the largest one were treated as zero."""
     b = w[:, None] * rows(midpoints, normals, x)
     return np.linalg.lstsq(b, w * v, rcond=1e-2)[0][:2]
+
+
+@answers("05.8", named=False)
+def edges_without_flow_left_out(midpoints, normals, v, x, w):
+    """An edge with the normal velocity zero gives an equation like every other edge."""
+    y, rows = midpoints - x, normals * w[:, None]
+    matrix = np.column_stack([rows, y[:, :1] * rows, y[:, 1:] * rows])[v != 0]
+    return np.linalg.lstsq(matrix, (v * w)[v != 0], rcond=None)[0][:2]
 
 
 # 05.9 ranks

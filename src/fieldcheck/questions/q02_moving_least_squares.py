@@ -42,7 +42,8 @@ def local_rounding(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
 def weights_inputs(seed: int) -> tuple[Call, ...]:
     """Return an evaluation point, the same in another unit, one in space, and one at a site.
 
-    All points lie around the origin.
+    All points lie around the origin. A number added to the squares, such as 10⁻¹², is visible in
+    small units only.
     """
     random = np.random.default_rng(seed)
     plane, space = random.random((7, 2)) - 0.4, random.random((5, 3)) - 0.4
@@ -53,8 +54,8 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         ((3 * plane, 3 * x, 0.9), "the same points in another unit of length"),
         ((space, random.normal(size=3), 0.6), "five points in space"),
         ((plane, plane[2].copy(), 0.2), "an evaluation point that is one of the points"),
-        ((plane, x, 0.003), "seven points in the plane and a small ε"),
-        ((space, 10 * random.normal(size=3), 0.05), "five points in space, far away"),
+        ((1e-5 * plane, 1e-5 * x, 3e-8), "seven points in a square of 10⁻⁵ and a small ε"),
+        ((1e-5 * space, 1e-4 * random.normal(size=3), 5e-7), "five points in a cube of 10⁻⁵"),
     )
 
 
@@ -83,29 +84,50 @@ def unit_of_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def fit_inputs(seed: int) -> tuple[Call, ...]:
-    """Return scattered points and weights, points in space, and as many points as coefficients;
-    also points nearly in a line or a layer, with weights of different size.
+    """Return points of the plane and of space, each with one weight far above the others, in a
+    small unit, and nearly in a line or a layer; and as many points as coefficients.
+
+    Some points are measured twice, with two values and two weights.
     """
     random = np.random.default_rng(seed)
     corner = random.random((3, 2)) + np.array([[0, 0], [2, 0], [0, 2]])
+    plane, space = random.random((12, 2)), random.random((20, 3)) - 0.4
+
+    def alike(n: int) -> np.ndarray:
+        return random.uniform(0.3, 3, n)
+
+    def spread(n: int) -> np.ndarray:
+        return 10 ** random.uniform(-2, 0, n)
+
+    def one_large(n: int) -> np.ndarray:
+        return alike(n) * np.where(np.arange(n) == 4, 1000, 1)
+
     cases = (
-        (random.random((12, 2)), "twelve points in the plane"),
-        (random.random((20, 3)) - 0.4, "twenty points in space"),
-        (corner, "three points in the plane"),
+        (twice(plane, 2), one_large, "fourteen measurements at twelve points, one weight large"),
+        (twice(space, 3), one_large, "twenty-three measurements in space, one weight large"),
+        (corner, alike, "three points in the plane"),
+        (1e-6 * twice(plane, 2), alike, "fourteen measurements in a square of 10⁻⁶"),
+        (1e-6 * twice(space, 3), alike, "twenty-three measurements in a cube of 10⁻⁶"),
+        (
+            [1, 1e-3] * twice(plane, 2),
+            spread,
+            "fourteen measurements nearly in a line, and weights from 0.01 to 1",
+        ),
+        (
+            [1e-3, 1, 1] * twice(space, 3),
+            spread,
+            "twenty-three measurements nearly in a layer, and weights from 0.01 to 1",
+        ),
     )
-    alike = tuple(
-        Call("weighted_fit", (p, random.normal(size=len(p)), random.uniform(0.3, 3, len(p))), case)
-        for p, case in cases
+    return tuple(
+        Call("weighted_fit", (p, random.normal(size=len(p)), weigh(len(p))), case, exact=(0,))
+        for p, weigh, case in cases
     )
-    thinned = (([1, 1e-3], "line"), ([1e-3, 1, 1], "layer"))
-    return alike + tuple(
-        Call(
-            "weighted_fit",
-            (thin * p, random.normal(size=len(p)), 10 ** random.uniform(-2, 0, len(p))),
-            f"{case}, nearly in a {shape}, and weights from 0.01 to 1",
-        )
-        for (p, case), (thin, shape) in zip(cases[:2], thinned, strict=True)
-    )
+
+
+def twice(points: np.ndarray, k: int) -> np.ndarray:
+    """Return points, followed by the first k of them again: they are measured twice."""
+    return np.append(points, points[:k], axis=0)
 
 
 @law_of_each(
@@ -124,29 +146,33 @@ def weighted_residual_is_orthogonal(call: Call, values: Values) -> float:
 
 
 def field_inputs(seed: int) -> tuple[Call, ...]:
-    """Return values, with an affine field added, moved and scaled, in space, and with a small ε."""
+    """Return values, with an affine field added, moved and in a small unit, in space, and with a
+    small ε.
+
+    Some points are measured twice. One evaluation point is a point of the data, and another is
+    outside.
+    """
     random = np.random.default_rng(seed)
-    p, v, x = random.random((15, 2)) - 0.4, random.normal(size=15), random.random((5, 2)) - 0.4
+    p, v = twice(random.random((15, 2)) - 0.4, 2), random.normal(size=17)
+    space, data = twice(random.random((20, 3)) - 0.4, 3), random.normal(size=23)
+    x, y = random.random((5, 2)) - 0.4, random.random((3, 3)) - 0.4
     slopes, shift = np.array([1.5, -2.0]), np.array([1.0, -0.5])
-    return calls_of(
-        "field",
-        ((p, v, x, 0.25), "fifteen points in the plane"),
+    x[1], y[1] = p[4], space[6]
+    x[4], y[2] = x[4] + 1.5, y[2] + 1.5  # outside, where values may exceed those given
+    cases = (
+        ((p, v, x, 0.25), "seventeen measurements at fifteen points in the plane"),
         ((p, v + affine(p, slopes), x, 0.25), "the same values plus those of an affine field"),
         (
-            (3 * p + shift, v, 3 * x + shift, 0.75),
-            "the same points, moved and three times as far apart",
+            (1e-5 * (p + shift), v, 1e-5 * (x + shift), 1e-5 * 0.25),
+            "the same points, moved, and all lengths multiplied by 10⁻⁵",
         ),
         (
-            (
-                random.random((20, 3)) - 0.4,
-                random.normal(size=20),
-                random.random((3, 3)) - 0.4,
-                0.5,
-            ),
-            "twenty points in space",
+            (1e-4 * space, data, 1e-4 * y, 1e-4 * 0.5),
+            "twenty-three measurements at twenty points in a cube of 10⁻⁴",
         ),
         ((p, v, x, 0.05), "a small ε"),
     )
+    return tuple(Call("field", given, case, exact=(0, 2)) for given, case in cases)
 
 
 @law(
@@ -223,17 +249,17 @@ def depends_on_the_residual_only(calls: Sequence[Call], values: Sequence[Values]
 
 def gradient_inputs(seed: int) -> tuple[Call, ...]:
     """Return evaluation points on a circle, with an affine field added, in space, and both in
-    another unit.
+    another unit. Two evaluation points are points of the data, and two points are measured twice.
     """
     random = np.random.default_rng(seed)
-    p, v = random.random((20, 2)), random.normal(size=20)
-    space, data = random.random((25, 3)) - 0.4, random.normal(size=25)
+    p, v = twice(random.random((18, 2)), 2), random.normal(size=20)
+    space, data = twice(random.random((23, 3)) - 0.4, 2), random.normal(size=25)
     y = random.random((3, 3)) - 0.4
     circle = np.exp(2j * np.pi * np.arange(CIRCLE) / CIRCLE)
     x = 0.5 + 0.1 * np.column_stack([circle.real, circle.imag])
+    p[7], space[7] = x[5], y[1]
     slopes = np.array([1.5, -2.0])
-    return calls_of(
-        "gradient",
+    cases = (
         ((p, v, x, 0.3), "evaluation points on a circle"),
         ((p, v + affine(p, slopes), x, 0.3), "the same values plus those of an affine field"),
         ((space, data, y, 0.5), "twenty-five points in space"),
@@ -245,6 +271,7 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
         ((p, v + HIGH, x, 0.3), "the points on a circle, all values larger by 10000"),
         ((space, data + HIGH, y, 0.5), "the points in space, all values larger by 10000"),
     )
+    return tuple(Call("gradient", given, case, exact=(0, 2)) for given, case in cases)
 
 
 HIGH = 1e4
@@ -293,8 +320,8 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
         ((2 * points, 2 * places, 2, 0.2), "all points twice as far apart"),
         ((points, places, 3, 0.05), "n = 3"),
         (
-            (points[:30] - 0.4, random.random((25, 2)) - 0.4, 5, 0.3),
-            "thirty points, twenty-five evaluation points and n = 5",
+            (twice(points[:30] - 0.4, 3), random.random((25, 2)) - 0.4, 5, 0.3),
+            "thirty points, three of them twice, twenty-five evaluation points and n = 5",
         ),
     )
 

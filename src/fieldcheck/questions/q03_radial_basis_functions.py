@@ -101,13 +101,24 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
         (3, 2, "three points in the plane"),
     )
     lattices = (
-        (lattice(random, 3, 2), "six points of a lattice in the plane"),
-        (lattice(random, 2, 2, 2), "eight points of a lattice in space"),
+        (1e-4 * lattice(random, 3, 2), "six points of a lattice of 10⁻⁴ in the plane"),
+        (1e-4 * lattice(random, 2, 2, 2), "eight points of a lattice of 10⁻⁴ in space"),
     )
     return (
         *(Call("system_matrix", (cloud(random, n, d),), case) for n, d, case in sizes),
         *(Call("system_matrix", (points,), case, exact=(0,)) for points, case in lattices),
     )
+
+
+def in_units_of_the_kernel(call: Call, values: Values) -> Values:
+    """Return H with the block of the kernels in a unit in which the points have size one.
+
+    Otherwise the ones would hide what is added to the small kernels, such as 10⁻¹⁰ on the diagonal.
+    """
+    (h,), (points,) = values, call.arguments
+    n, unit = len(points), np.array(h, dtype=float)
+    unit[:n, :n] /= min(1.0, float(np.ptp(points)) ** 2)
+    return (unit,)
 
 
 def matrix_shape(call: Call) -> tuple[tuple[int, ...], ...]:
@@ -191,6 +202,7 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
         points = cloud(random, n, d)
         x = np.concatenate([random.uniform(-1, 2, (m, d)), points[1:3]])
         x[0, 0], x[1, -1] = points[0, 0], points[3, -1]
+        x[2] *= 10  # a point far from all centres
         calls.append(
             Call(name, (points, random.normal(size=n), random.normal(size=d + 1), x), case, (0, 3))
         )
@@ -341,6 +353,7 @@ QUESTIONS = (
             Law("The matrix of (3.5) must be its own transpose.", is_symmetric),
             maps_coefficients_to_data,
         ),
+        normal_form=in_units_of_the_kernel,
     ),
     Question(
         "03.3",

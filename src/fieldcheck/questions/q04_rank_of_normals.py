@@ -97,6 +97,7 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
     """Return samples of known rank, near and far from the origin, in large and small units."""
     random = np.random.default_rng(seed)
     points, nine = cloud(random, 8, 2), cloud(random, 9, 2)
+    points[0] = points[1:].mean(axis=0)  # so its distance from the mean is no measure of the size
     flat = sphere(random, 14)
     flat[:, 2] = 0
     space = cloud(random, 14, 3)
@@ -520,6 +521,8 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
     eight, five = cloud(random, 8, 2), cloud(random, 5, 2)
     angles = 2 * np.pi * (np.arange(9) + random.uniform(-0.3, 0.3, 9)) / 9
     circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    angles[[1, 8]] = angles[[0, 7]] + 1e-5  # so their distance is no measure of the size
+    in_pairs = np.column_stack([np.cos(angles), np.sin(angles)])
     shear = np.array([[2.0, 0.7], [0.3, 1.0]])
     t = np.array([0.3, 0.5, 0.8, 1.3, 2.0, 2.9, 4.1]) * random.uniform(0.95, 1.05, 7)
     cross = np.append(
@@ -543,8 +546,8 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
         (almost.dot(shear), "nine points within 10⁻¹⁰ of an ellipse"),
     )
     constructed = (
-        (circle, "nine points on a circle"),
-        (circle.dot(shear) + 1, "nine points on an oblique ellipse"),
+        (in_pairs, "nine points on a circle"),
+        (in_pairs.dot(shear) + 1, "nine points on an oblique ellipse"),
         (np.column_stack([t, 1 / t]), "seven points on a hyperbola"),
         (cross, "points on two lines"),
         (in_line(random, 7)[:7], "seven points on one line"),

@@ -65,19 +65,29 @@ def directions(angle: np.ndarray) -> np.ndarray:
 
 
 def edges_inputs(seed: int) -> tuple[Call, ...]:
-    """Return two meshes, and a single triangle."""
+    """Return two meshes, a single triangle, and a part of a mesh."""
     random = np.random.default_rng(seed)
     return calls_of(
         "edges_of",
         ((mesh(random, 3, 3)[1],), "a mesh of twenty triangles"),
         ((mesh(random, 4, 2)[1],), "a longer mesh"),
         ((random.permutation(3)[np.newaxis],), "one triangle"),
+        ((part_of_a_mesh(random, 0),), "four triangles of a larger mesh"),
     )
 
 
+def part_of_a_mesh(random: np.random.Generator, first: int) -> np.ndarray:
+    """Return four triangles whose vertices have larger numbers than there are triangles.
+
+    The edges (5, 9) and (4, 13) have the same number 4 i + j, so it cannot stand for an edge.
+    """
+    cells = np.array([[5, 9, 13], [4, 13, 9], [5, 13, 7], [4, 9, 1]])
+    return first + random.permuted(random.permutation(cells), axis=1)
+
+
 def number_of_edges(triangles: np.ndarray) -> int:
-    """Return their number by Euler's formula: vertices plus triangles minus one."""
-    return int(triangles.max()) + len(triangles)
+    """Return the number of different sides of triangles."""
+    return len({frozenset((t[k], t[k - 1])) for t in triangles.tolist() for k in range(3)})
 
 
 def both_ends_known(_: Call, values: Values) -> Values:
@@ -115,7 +125,7 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     return calls_of(
         "midpoints_and_normals",
         ((points, sides(triangles, random)), "the edges of a mesh"),
-        ((cross, np.array([[1, 0], [0, 2]])), "two edges along the axes"),
+        ((1e-9 * cross, np.array([[1, 0], [0, 2]])), "two edges along the axes, of length 10⁻⁹"),
         ((50 * more - 20, sides(others, random)), "a larger mesh"),
     )
 
@@ -337,11 +347,12 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     p, n, x = samples(random, 12)
     v, w = random.normal(size=12), random.uniform(0.4, 2.5, 12)
+    v[[3, 7]] = 0.0  # two edges along a wall: equations like the others
     flips = np.where(np.arange(12) % 3, 1.0, -1.0)
     more = np.einsum("ak,ak->a", linear_flow(p), n)
     shift = np.array([-4.0, 3.0])
     other = samples(random, 10)
-    uneven = np.geomspace(0.03, 1, 12)
+    uneven = np.geomspace(0.03, 1, 12) * np.where(np.arange(12) == 6, 100, 1)
     return calls_of(
         "velocity",
         ((p, n, v, x, w), "twelve edges with velocities at random"),
@@ -351,8 +362,8 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
         ((*other[:2], random.normal(size=10), other[2], np.ones(10)), "ten edges of equal weight"),
         ((1e-3 * p, n, v, 1e-3 * x, w), "the first edges, all lengths a thousandth"),
         ((1e3 * p, n, v, 1e3 * x, w), "the first edges, all lengths times a thousand"),
-        ((p, n, v, x, uneven), "the first edges, weights from 0.03 to 1"),
-        ((p, n, v, x, uneven[::-1]), "the first edges, these weights in the reverse order"),
+        ((p, n, v, x, uneven), "the first edges, one weight far above the others"),
+        ((p, n, v, x, uneven[::-1]), "the first edges, another weight far above the others"),
     )
 
 
@@ -400,6 +411,11 @@ def grid_of_squares(rows: int, columns: int) -> tuple[np.ndarray, np.ndarray]:
     return points, np.array(cells)
 
 
+def nearly(random: np.random.Generator, points: np.ndarray) -> np.ndarray:
+    """Return moved points of a grid: the smallest singular values are small, and not zero."""
+    return points + 5e-3 * random.uniform(-1, 1, points.shape)
+
+
 def ranks_inputs(seed: int) -> tuple[Call, ...]:
     """Return a mesh with one and two rings, far from the origin, in small units; regular grids."""
     random = np.random.default_rng(seed)
@@ -417,7 +433,12 @@ def ranks_inputs(seed: int) -> tuple[Call, ...]:
         ),
         Call("ranks", (regular, squares, 1), "a regular grid of four by four squares", (0,)),
         Call("ranks", (longer - 1e6, oblong, 1), "a regular grid of three by five squares", (0,)),
-        Call("ranks", (longer, oblong, 2), "two rings of a regular grid", (0,)),
+        Call("ranks", (*grid_of_squares(1, 2), 2), "two rings in a mesh of two squares", (0,)),
+        *calls_of(
+            "ranks",
+            ((nearly(random, regular), squares, 1), "a grid that is nearly regular"),
+            ((nearly(random, longer), oblong, 1), "an oblong grid that is nearly regular"),
+        ),
     )
 
 

@@ -354,12 +354,12 @@ def interpolate_inputs(seed: int) -> tuple[Call, ...]:
         x = points_outside(center, corners)
         case = f"points outside a cell of {n} neighbours, where values may exceed those given"
         calls.append(Call("interpolate", (center, rim, corners, first_edge, x), case))
-    for n, m, case in (
-        (4, 4, "four points and four values"),
-        (8, 1, "one point and eight values"),
-        (3, 7, "seven points and three values"),
+    for n, m, clockwise, case in (
+        (4, 4, True, "four points and four values, listed clockwise"),
+        (8, 1, False, "one point and eight values"),
+        (3, 7, True, "seven points and three values, listed clockwise"),
     ):
-        center, rim, corners = star(random, n)
+        center, rim, corners = star(random, n, clockwise)
         whole = random.permutation(n) - 2
         x = points_inside(random, center, corners, m)
         calls.append(Call("interpolate", (center, rim, corners, whole, x), case))
