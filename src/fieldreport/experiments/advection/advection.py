@@ -355,9 +355,12 @@ def plot_orders(result: Result) -> Figure:
         h = np.array(p.counts) ** -0.5
         axes[1].plot(h, result.arrays["in_space"], **line("PU", label=None))
         axes[1].set(
-            xlabel="spacing $n^{-1/2}$", title="error of a smooth hump", xscale="log", yscale="log"
+            xlabel=r"spacing $1000\,n^{-1/2}$",
+            title="error of a smooth hump",
+            xscale="log",
+            yscale="log",
         )
-        axes[1].set_xticks(h, [f"{x:.3f}" for x in h], rotation=45)
+        axes[1].set_xticks(h, [f"{1000 * x:.0f}" for x in h])
         k = 2.0 ** np.arange(result.arrays["norms"].shape[1])
         for name, style, row in zip(
             ("disc", "square"), ("MLS", "LS"), result.arrays["norms"], strict=True
