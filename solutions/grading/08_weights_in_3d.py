@@ -13,11 +13,31 @@ from fieldcheck.questions.q08_weights_in_3d import (
 from fieldgrade.authoring.hidden_cases import hidden
 
 
-@hidden("08.2", "It must hold far from the origin.")
+@hidden("08.2", "It must hold far from the origin, and for whole numbers.")
 def far_away(seed):
     random = np.random.default_rng(seed + 1)
     corners = random.random((4, 3)) + 2 * np.eye(4, 3) + [200.0, -300.0, 100.0]
-    return (Call("circumcenter", tuple(corners), "a tetrahedron far from the origin"),)
+    whole = random.integers(-3, 4, (4, 3)) + 9 * np.eye(4, 3, dtype=int)
+    return (
+        Call("circumcenter", tuple(corners), "a tetrahedron far from the origin"),
+        Call("circumcenter", tuple(whole), "a tetrahedron in whole numbers"),
+    )
+
+
+@hidden("08.4", "The edges may lie nearly in one plane, and may have any length.")
+def nearly_in_one_plane(seed):
+    random = np.random.default_rng(seed + 5)
+    center, edges = random.normal(size=3), np.eye(3) + random.uniform(-0.2, 0.2, (3, 3))
+    calls = []
+    for height, size, case in (
+        (6e-2, 1.0, "edges nearly in one plane"),
+        (-4e-2, 2.0**-20, "short edges nearly in one plane"),
+    ):
+        low = edges.copy()
+        low[2] = edges[0] + edges[1] + height * edges[2]
+        tips = size * (center + low)
+        calls.append(Call("volume_of_normals", (size * center, tips), case))
+    return tuple(calls)
 
 
 @hidden("08.7", "It must hold for few neighbours and for many, and in every unit.")
@@ -36,12 +56,15 @@ def few_and_many(seed):
     return (*calls, Call("weights", small, "a small cell"))
 
 
-@hidden("08.8", "There may be one point only.")
+@hidden("08.8", "There may be one point only, and points outside.")
 def one_place(seed):
     random = np.random.default_rng(seed + 3)
     center, neighbors, _, corners = star(random, 5)
     x = points_inside(random, center, corners, 1)
-    return (Call("heights", (center, neighbors, x), "one point among seven neighbours"),)
+    return (
+        Call("heights", (center, neighbors, x), "one point among seven neighbours"),
+        Call("heights", (center, neighbors, 3 * x - 2 * center), "one point outside"),
+    )
 
 
 @hidden("08.10", "It must hold on edges and faces of any cell, outside, and in every unit.")

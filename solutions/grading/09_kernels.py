@@ -27,6 +27,7 @@ def any_matrix(seed):
         apart[4 * k : 4 * k + 4, k] = size * random.uniform(1, 2, 4)
     return (
         Call("least_eigenvalue", (a + a.T, p), "a random symmetric matrix"),
+        Call("least_eigenvalue", (a + a.T, p[:, :0]), "a random matrix and no conditions"),
         Call(
             "least_eigenvalue",
             (1e4 * (a + a.T), np.hstack([p, p, p, p])),
@@ -59,7 +60,7 @@ def on_two_lines(seed):
         ),
         Call("vanishing", (1e-7 * (cross.T @ turn), 2), "eight points on two tiny lines"),
         Call("vanishing", (cross.T @ turn + off, 2), "eight points near two lines"),
-        Call("vanishing", (1e6 * (1 + cloud(random, 7, 2)), 2), "seven points in a large box"),
+        Call("vanishing", (1e6 + cloud(random, 7, 2), 2), "seven points far from the origin"),
     )
 
 

@@ -38,29 +38,43 @@ def uneven_steps(seed):
     sites = np.cumsum(10 ** random.uniform(-1, 1, 9))
     return (
         Call("moments", (sites, random.normal(size=9)), "uneven steps"),
-        Call("moments", (line(random, 40), random.normal(size=40)), "forty sites"),
-        Call("moments", (2.0**-40 * sites, 2.0**-80 * random.normal(size=9)), "close sites"),
+        Call("moments", (line(random, 40), random.integers(-9, 10, 40)), "forty sites"),
+        Call("moments", (2.0**-40 * sites, 2.0**-110 * random.normal(size=9)), "close sites"),
     )
 
 
 @hidden(
     "10.4",
-    "The points may come in any order, near the sites, in any unit. There may be two sites only.",
+    "The points may come in any order, near the sites, in any unit, as whole numbers. There may be "
+    "two sites only.",
 )
 def points_in_any_order(seed):
     random = np.random.default_rng(seed + 4)
     sites, heights, bends = natural_data(random, 9)
     x = random.uniform(sites[0] - 3, sites[-1] + 3, 30)
+    apart = np.array([2.0**-9, 2.0**-12, 2.0**-15, 2.0**-18, 2.0**-21])
+    beside = np.add.outer(sites, np.append(apart, -apart)).ravel()
+    numbers = random.permutation(np.arange(int(sites[0]) - 3, int(sites[-1]) + 4))
     two = line(random, 2)
     return (
         Call("piecewise", (sites, heights, bends, x), "points in any order"),
-        Call("piecewise", (sites, heights, bends, sites + 2.0**-12), "points beside the sites"),
+        Call("piecewise", (sites, heights, bends, beside), "points beside the sites"),
         Call(
             "piecewise",
-            (2.0**-30 * sites, 2.0**-60 * heights, bends, 2.0**-30 * x),
-            "close sites",
+            (2.0**-30 * sites, 2.0**-60 * heights, bends, 2.0**-30 * beside),
+            "points beside close sites",
         ),
-        Call("piecewise", (two, random.normal(size=2), np.zeros(2), x), "two sites"),
+        Call("piecewise", (sites, heights, bends, numbers), "points in whole numbers"),
+        Call(
+            "piecewise",
+            (
+                two,
+                random.integers(1, 9, 2),
+                np.zeros(2, dtype=int),
+                numbers,
+            ),
+            "two sites",
+        ),
     )
 
 
@@ -70,7 +84,11 @@ def two_sites_or_many(seed):
     two = line(random, 2)
     sites, heights, bends = natural_data(random, 5)
     return (
-        Call("truncated", (two, random.normal(size=2), np.zeros(2)), "two sites"),
+        Call(
+            "truncated",
+            (two, random.integers(1, 9, 2), np.zeros(2, dtype=int)),
+            "two sites",
+        ),
         Call("truncated", natural_data(random, 10), "ten sites"),
         *(
             Call("truncated", (width * sites, width**2 * height * heights, height * bends), case)

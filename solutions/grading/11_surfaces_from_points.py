@@ -13,10 +13,10 @@ from fieldcheck.questions.q11_point_clouds import (
     torus,
 )
 from fieldcheck.questions.q11_zero_levels import (
+    beside_a_site,
     body,
     in_another_unit,
     near_diagonals,
-    points_about_origin,
 )
 from fieldgrade.authoring.hidden_cases import hidden
 
@@ -88,15 +88,22 @@ def long_way_round(seed):
     return tuple(calls)
 
 
-@hidden("11.4", "Lengths may be large or small, and points far from the origin.")
+@hidden("11.4", "Lengths may be large or small, points far from the origin or in whole numbers.")
 def far_away(seed):
     random = np.random.default_rng(seed + 4)
     points = torus(random, 6, 9)
+    axes = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
+    cross = axes * random.permutation([[2], [3], [4], [5]])
     return (
         Call("off_surface", (points + 100, outward(points), 40.0), "a large distance"),
         Call("off_surface", (points, -outward(points), 0.5), "normals that point inward"),
-        Call("off_surface", (points, outward(points), 2.0**14), "a very large distance"),
+        Call(
+            "off_surface",
+            (2.0**-14 * points, -outward(points), 2.0),
+            "close points, and a very large distance",
+        ),
         Call("off_surface", (2.0**-14 * points, outward(points), 0.7), "close points"),
+        Call("off_surface", (cross, axes, 4.9), "four points in whole numbers"),
     )
 
 
@@ -113,11 +120,17 @@ def other_dimensions(seed):
     )
 
 
-@hidden("11.6", "It must hold in every dimension.")
+@hidden("11.6", "It must hold in every dimension, beside the sites, and for whole numbers.")
 def in_four_dimensions(seed):
     random = np.random.default_rng(seed + 6)
+    space = sites, *_ = body(random, 3, 4)
     return (
-        Call("field", (points_about_origin(random, 4, 4), *body(random, 4, 6)), "four dimensions"),
+        Call(
+            "field",
+            (random.integers(-3, 4, (4, 4)), *body(random, 4, 6)),
+            "points in whole numbers, in four dimensions",
+        ),
+        Call("field", (sites[:3] + beside_a_site(random, 3), *space), "points beside sites"),
     )
 
 
@@ -127,7 +140,7 @@ def no_steps(seed):
     x, coefficients = near_diagonals(random, 4, 3), body(random, 3, 5)
     return (
         Call("to_surface", (x, *coefficients, 0), "no steps"),
-        Call("to_surface", (x, *coefficients, 3), "three steps"),
+        Call("to_surface", (x, *coefficients, 4), "four steps"),
         Call("to_surface", (*in_another_unit(2.0**12, x, *coefficients), 3), "large steps"),
     )
 
@@ -138,6 +151,8 @@ def steep(seed):
     signs = np.array([[1, -1, -1, -1], [1, 1, -1, -1], [-1, 1, 1, -1], [1, 1, -1, 1]])
     sizes = np.exp(random.normal(0, 3, (4, 4)))
     return (
-        Call("pieces", (signs * sizes,), "four squares"),
+        Call(
+            "pieces", (signs * np.ceil(97 * sizes).astype(int),), "four squares with whole numbers"
+        ),
         Call("pieces", (2.0**-40 * signs * sizes,), "four squares with small values"),
     )

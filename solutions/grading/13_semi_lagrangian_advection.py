@@ -15,7 +15,7 @@ def other_steps(name, seed):
         Call(name, (x[:1], t, 0.1, 1), "a single point"),
         Call(name, (x, t, -0.07, 2), "a step forward in time"),
         Call(name, (x, 0.0, 0.4, 0), "a long step"),
-        Call(name, (x, 1.4, 0.06, 1), "a time after 1"),
+        Call(name, (x, 1.4, -0.06, 1), "a step forward after the time 1"),
         Call(name, (0.5 * x, -0.3, 0.06, 2), "a negative time"),
     )
 
@@ -66,7 +66,11 @@ def longer_and_shorter(seed):
     return (
         Call("advect", (sites, random.normal(size=20), 0.1, 6, 1, 15), "six steps"),
         Call("advect", (sites, random.normal(size=20), 0.1, 0, 1, 7), "no step"),
-        Call("advect", (in_square(random, 4), random.normal(size=16), 0.2, 4, 2, 9), "late steps"),
+        Call(
+            "advect",
+            (in_square(random, 4), random.integers(-9, 10, 16), 0.2, 4, 2, 9),
+            "late steps",
+        ),
     )
 
 

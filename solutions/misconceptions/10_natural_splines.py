@@ -226,6 +226,37 @@ def second_differences(sites, values):
 
 
 @answers("10.3")
+def decimals_lost(sites, values):
+    """The right side is an array like the values: if these are integers, it holds integers only,
+    and the decimals are lost. Give its type, or begin with `np.zeros`.
+    """
+    n, h = len(sites), np.diff(sites)
+    a, b = np.eye(n), np.zeros_like(values)
+    for i in range(1, n - 1):
+        a[i, i - 1 : i + 2] = h[i - 1] / 6, (h[i - 1] + h[i]) / 3, h[i] / 6
+        b[i] = (values[i + 1] - values[i]) / h[i] - (values[i] - values[i - 1]) / h[i - 1]
+    return np.linalg.solve(a, b)
+
+
+@answers("10.3")
+def stopped_by_a_fixed_change(sites, values):
+    """The system was solved by iteration, which stopped when the moments changed by less than a
+    fixed number. If the moments are small themselves, it stops at once. Compare the change with
+    the size of the moments, or solve the system.
+    """
+    h, m = np.diff(sites), np.zeros(len(sites))
+    change = 1.0
+    while change > 1e-8:
+        before = m.copy()
+        for i in range(1, len(m) - 1):
+            jump = (values[i + 1] - values[i]) / h[i] - (values[i] - values[i - 1]) / h[i - 1]
+            rest = (h[i - 1] * m[i - 1] + h[i] * m[i + 1]) / 6
+            m[i] = 3 * (jump - rest) / (h[i - 1] + h[i])
+        change = abs(m - before).max()
+    return m
+
+
+@answers("10.3")
 def steps_taken_as_equal(sites, values):
     """The steps were taken to be all the same. These sites are not equidistant: every row of
     (10.7) has its own two lengths.
@@ -330,6 +361,22 @@ def outside(sites, values, x, inside, slopes):
     left = values[0] + slopes[0] * (x - sites[0])
     right = values[-1] + slopes[1] * (x - sites[-1])
     return np.where(x < sites[0], left, np.where(x > sites[-1], right, inside))
+
+
+@answers("10.4")
+def decimals_lost_in_the_pieces(sites, values, bends, x):
+    """The result is an array like the values: if these are integers, it holds integers only, and
+    the decimals are lost. Begin with `np.zeros` of the number of points.
+    """
+    s = np.zeros(len(x), dtype=values.dtype)
+    h = np.diff(sites)
+    for k, place in enumerate(x):
+        i = np.clip(np.searchsorted(sites, place) - 1, 0, len(h) - 1)
+        u = (place - sites[i]) / h[i]
+        left, right = max(1 - u, 0) ** 3 - (1 - u), max(u, 0) ** 3 - u
+        cubic = h[i] ** 2 / 6 * (left * bends[i] + right * bends[i + 1])
+        s[k] = (1 - u) * values[i] + u * values[i + 1] + cubic
+    return s
 
 
 @answers("10.4")
@@ -668,8 +715,9 @@ def divided_by_zero(knots, degree, x):
 
 @answers("10.7")
 def small_denominators_as_zero(knots, degree, x):
-    """Small denominators were taken as zero, by a fixed bound. Knots may be very close in the unit
-    of x, and only a denominator that *is* zero counts.
+    """The values are wrong only for knots that are very close in the unit of x: a fixed bound takes
+    different numbers as equal. Only a denominator that *is* zero counts as zero, and an interval
+    begins exactly at its knot.
     """
     t, b = knots, steps(knots, x)
     for k in range(1, degree + 1):

@@ -262,8 +262,8 @@ def all_upward(points, normals, linked):
 
 @answers("11.3")
 def first_sign_kept(points, normals, linked):
-    """All normals agree with each other, but the first one has an arbitrary sign. If it points
-    inward, so do all others. Which rule holds at the highest point?
+    """All normals agree with each other, but not with the rule for the first one. If it points
+    inward, so do all others. What does the rule say about which point and which component?
     """
     return grown(points, normals, linked, by_angle, upward=False)
 
@@ -575,6 +575,16 @@ def gradient_without_the_linear_part(x, sites, lam, c):
     """The gradient of the linear polynomial is missing. It is the same at all points."""
     offset, r = parts(x, sites)
     g = np.einsum("mn,mnd->md", 3 * r * lam, offset)
+    return r**3 @ lam + c[0] + x @ c[1:], g
+
+
+@answers("11.6")
+def no_slope_beside_the_sites(x, sites, lam, c):
+    """Beside a site the term of this site is missing in the gradient: a fixed length decides which
+    points count as the site. The term tends to zero there, so no distinction is needed.
+    """
+    offset, r = parts(x, sites)
+    g = np.einsum("mn,mnd->md", 3 * np.where(r < 2e-3, 0, r) * lam, offset) + c[1:]
     return r**3 @ lam + c[0] + x @ c[1:], g
 
 

@@ -47,12 +47,13 @@ def lacks_moments(sites: np.ndarray, factors: np.ndarray) -> float:
 
 
 def conversion_inputs(seed: int) -> tuple[Call, ...]:
-    """Return sites and coefficients without moments: many, three, and far from the origin."""
+    """Return sites and coefficients without moments: many, some far from the origin, and three
+    in arrays of integers.
+    """
     random = np.random.default_rng(seed)
     calls = []
     for n, shift, case in (
         (6, -2, "six sites"),
-        (3, -1, "three sites around the origin"),
         (5, 4, "five sites away from the origin"),
     ):
         sites = line(random, n) + shift
@@ -63,7 +64,12 @@ def conversion_inputs(seed: int) -> tuple[Call, ...]:
                 "from_truncated", (sites, free - q.dot(q.T.dot(free)), random.normal(size=2)), case
             )
         )
-    return tuple(calls)
+    sites = random.integers(-3, 0) + np.cumsum([0, random.choice([1, 3]), 2])
+    alpha = np.roll(sites, -2) - np.roll(sites, -1)
+    few = Call(
+        "from_truncated", (sites, alpha, random.integers(1, 9, 2)), "three sites in whole numbers"
+    )
+    return (*calls, few)
 
 
 def coefficients_shape(call: Call) -> tuple[tuple[int, ...], ...]:
@@ -89,9 +95,9 @@ def radial_inputs(seed: int) -> tuple[Call, ...]:
     bent = 2 - 3 * few + (few == few[2])
     return calls_of(
         "radial_spline",
-        ((sites, random.normal(size=8)), "eight sites in any order"),
+        ((sites, random.integers(-9, 10, 8)), "eight sites in any order, values in whole numbers"),
         ((few, bent), "five values, all but one on a straight line"),
-        ((few[:2], random.normal(size=2)), "two sites"),
+        ((few[:2], random.integers(1, 9, 2)), "two sites"),
     )
 
 
@@ -121,16 +127,17 @@ def moments_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     cases = (
         (7, 0, "seven sites"),
-        (5, 1, "five sites"),
         (3, 1, "three sites"),
         (2, 0, "two sites"),
     )
+    whole = line(random, 5) - 1, random.integers(1, 99, 5)
     calls = [
         Call("moments", (line(random, n) - shift, random.normal(size=n)), case)
         for n, shift, case in cases
     ]
-    sites, heights = calls[1].arguments
-    close = 2.0**-30 * sites, 2.0**-60 * heights
+    calls.append(Call("moments", whole, "five sites with values in whole numbers"))
+    sites, heights = whole
+    close = 2.0**-30 * sites, 2.0**-80 * heights
     return (*calls, Call("moments", close, "five sites 10⁻⁹ apart"))
 
 
@@ -165,14 +172,25 @@ def natural_data(random: np.random.Generator, n: int) -> tuple[np.ndarray, np.nd
     return sites, heights, bends
 
 
+def whole_values(random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return three sites, values in an array of integers, and the moments."""
+    sites, bent = line(random, 3) - 1, np.array([0.0, 1.0, 0.0])
+    factors, _ = _free_powers(sites, bent, bent[:2])
+    shapes = [half_cubes(sites, factors, bent[[0, 2]], sites), sites**0, sites]
+    heights = random.integers(1, 99, 3) * [1, -1, 1]
+    return sites, heights, np.linalg.solve(np.transpose(shapes), heights)[0] * bent
+
+
 def pieces_inputs(seed: int) -> tuple[Call, ...]:
     """Return points in any order: three on the left, four in each interval with its ends, three on
     the right. The moments belong to the natural spline through the values.
     """
     random = np.random.default_rng(seed)
     calls = []
-    for n, case in ((6, "six sites"), (4, "four sites")):
-        sites, heights, bends = natural_data(random, n)
+    for (sites, heights, bends), case in (
+        (natural_data(random, 6), "six sites"),
+        (whole_values(random), "three sites with values in whole numbers"),
+    ):
         inside = np.linspace(sites[:-1], sites[1:], 4, axis=1).ravel()
         ends = [
             sites[0] + np.array([-1.5, -1.0, -0.5]),
@@ -218,9 +236,10 @@ def is_cubic_inside_and_linear_outside(call: Call, values: Values) -> float:
 def back_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     calls = []
-    for n, case in ((6, "six sites"), (3, "three sites"), (4, "four sites")):
+    for n, case in ((6, "six sites"), (4, "four sites")):
         calls.append(Call("truncated", natural_data(random, n), case))
-    return tuple(calls)
+    whole = "three sites with values in whole numbers"
+    return (*calls, Call("truncated", whole_values(random), whole))
 
 
 def _free_powers(
@@ -261,7 +280,7 @@ def energy_inputs(seed: int) -> tuple[Call, ...]:
         (sites, 3 * bends, "moments three times as large"),
         (finer, np.interp(finer, sites, bends), "the same curve, each interval cut in two"),
         (-sites[::-1], bends[::-1], "the mirror image of the curve"),
-        (sites[:2], np.array([2.0, 2.0]), "one interval on which s'' is 2"),
+        (sites[:2], np.array([2, 2]), "one interval on which s'' is 2"),
     )
     return tuple(Call("energy", (x, m), case) for x, m, case in cases)
 
@@ -303,11 +322,13 @@ def b_spline_inputs(seed: int) -> tuple[Call, ...]:
         (double, 3, "ten knots, two of them the same, and the degree 3"),
         (simple[:5], 0, "five knots and the degree 0"),
         (double[3:8], 1, "five knots, two of them the same, and the degree 1"),
+        (simple[:7], 2, "seven knots, points in whole numbers, and the degree 2"),
         (clamped, 2, "seven knots, with triple ends, and the degree 2"),
     )
     calls = []
     for t, k, case in cases:
         x = np.concatenate([random.uniform(t[0] - 0.5, t[-1] + 0.5, 9), t[[1, -3, -1]]])
+        x = np.rint(x).astype(int) if "whole" in case else x
         calls.append(Call("b_splines", (t, k, x), case, exact=(0, 2)))
     t, k, x = calls[1].arguments
     fine = 2.0**-44 * t, k, 2.0**-44 * x

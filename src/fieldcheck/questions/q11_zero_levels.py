@@ -32,9 +32,10 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
     """Return sites and values in the plane and in space."""
     random = np.random.default_rng(seed)
     bent, ring = horseshoe(random, 14, 0.1), torus(random, 4, 5)
+    whole = np.indices((3, 3)).reshape(2, -1).T @ [[4, 1], [-1, 5]] + random.integers(-1, 2, (9, 2))
     return calls_of(
         "implicit",
-        ((random.uniform(size=(9, 2)), random.normal(size=9)), "nine sites in a square"),
+        ((whole, random.integers(-9, 10, 9)), "nine sites in whole numbers"),
         (beside(bent, outward(bent), 0.15), "a horseshoe, and points beside it"),
         (beside(ring, outward(ring), 0.2), "a torus in space, and points beside it"),
     )
@@ -90,6 +91,11 @@ def round_origin(random: np.random.Generator, x: np.ndarray) -> np.ndarray:
     return random.uniform(0.8, 1.1, (len(x), 1)) * x / np.sqrt((x * x).sum(axis=1))[:, None]
 
 
+def beside_a_site(random: np.random.Generator, d: int) -> np.ndarray:
+    """Return offsets of the lengths 10⁻², 10⁻³ and 10⁻⁴."""
+    return round_origin(random, random.normal(size=(3, d))) * [[1e-2], [1e-3], [1e-4]]
+
+
 def field_inputs(seed: int) -> tuple[Call, ...]:
     """Return points and coefficients in the plane and in space; one of the points is a site."""
     random = np.random.default_rng(seed)
@@ -102,7 +108,9 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
             "points in space, one of them a site",
             exact=(0, 1),
         ),
-        Call("field", (points_about_origin(random, 3, 2), *single), "one site"),
+        Call(
+            "field", (single[0] + beside_a_site(random, 2), *single), "points beside the only site"
+        ),
         Call(
             "field",
             (np.vstack([points_about_origin(random, 4, 2), plane[0][2:3]]), *plane),
@@ -143,12 +151,16 @@ def newton_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     plane, space = body(random, 2, 5), body(random, 3, 4)
     x = near_diagonals(random, 6, 2)
+    long = in_another_unit(2.0**10, 0.6 * x, *plane)
     return calls_of(
         "to_surface",
         ((x, *plane, 5), "five steps in the plane"),
         ((x, *plane, 1), "one step in the plane"),
         ((near_diagonals(random, 5, 3), *space, 2), "two steps in space"),
-        ((*in_another_unit(2.0**10, 0.6 * x, *plane), 2), "two steps, with lengths of about 1000"),
+        (
+            (np.rint(long[0]).astype(int), *long[1:], 2),
+            "two steps from points of about 1000, in whole numbers",
+        ),
         ((*in_another_unit(2.0**-20, x, *plane), 2), "two steps, with lengths of about 10⁻⁶"),
     )
 
@@ -168,16 +180,16 @@ def ends_on_the_zero_level(calls: Sequence[Call], values: Sequence[Values]) -> f
 
 
 def pieces_inputs(seed: int) -> tuple[Call, ...]:
-    """Return squares with one crossing line, in all twelve cases."""
+    """Return squares with one crossing line, in all twelve cases; first with whole numbers."""
     random = np.random.default_rng(seed)
     kinds = np.array(
         [[(c >> i) & 1 for i in range(4)] for c in (*range(1, 5), *range(6, 10), *range(11, 15))]
     )
-    signs = np.where(kinds == 1, 1.0, -1.0)
+    signs = np.where(kinds == 1, 1, -1)
     distance = oval(random, 12)[:, :1] + np.array([[1.5, 2.0, 2.5, 3.0]])
     return calls_of(
         "pieces",
-        ((signs * random.uniform(0.2, 1.0, (12, 4)),), "twelve squares"),
+        ((signs * random.integers(1, 99, (12, 4)),), "twelve squares with whole numbers"),
         ((2.0**-34 * signs[::-1] * distance,), "the same kinds with values of the size 10⁻¹⁰"),
     )
 

@@ -30,7 +30,7 @@ def meshes(name: str, seed: int) -> tuple[Call, ...]:
     """
     random = np.random.default_rng(seed)
     plane, space, line = grid(random, 4, 3), grid(random, 3, 2, 2), grid(random, 5)
-    triangle = np.array([[0.0, 0.0], [2.0, 0.3], [0.4, 1.7]]) + random.uniform(-0.2, 0.2, (3, 2))
+    triangle = np.array([[0, 0], [9, 2], [2, 8]]) + random.integers(-1, 2, (3, 2))
     turned = np.column_stack([-plane[:, 1], plane[:, 0]])
     x = random.uniform(-0.2, 1.4, (5, 2))
     beside = random.uniform(0.5, 1, (3, 2)) * np.array([[1e-3], [1e-4], [1e-6]])
@@ -39,8 +39,11 @@ def meshes(name: str, seed: int) -> tuple[Call, ...]:
         ((plane, x), "twelve nodes in the plane"),
         ((turned, np.column_stack([-x[:, 1], x[:, 0]])), "the same after a quarter of a turn"),
         ((space, random.uniform(0, 1, (4, 3))), "twelve nodes in space"),
-        ((line, random.uniform(-0.5, 2.5, (6, 1))), "five nodes on the line"),
-        ((triangle, random.uniform(0, 1, (3, 2))), "three nodes in the plane"),
+        (
+            (line, random.integers(-1, 4, (6, 1))),
+            "five nodes on the line, and points in whole numbers",
+        ),
+        ((triangle, random.integers(1, 7, (3, 2))), "three nodes in the plane, in whole numbers"),
         ((plane, plane[[4, 0, 7]]), "points that are nodes"),
         ((plane, plane[[4, 0, 7]] + beside), "points 10⁻³, 10⁻⁴ and 10⁻⁶ beside nodes"),
     )
@@ -130,7 +133,10 @@ def loads_inputs(seed: int) -> tuple[Call, ...]:
     return calls_of(
         "loads",
         ((transfer(random, 7, 4), random.normal(size=(7, 3))), "seven points and four nodes"),
-        ((transfer(random, 4, 4), random.normal(size=(4, 3))), "four points and four nodes"),
+        (
+            (transfer(random, 4, 4), random.integers(-9, 10, (4, 3))),
+            "forces in an array of integers",
+        ),
         (
             (random.normal(size=(3, 5)), random.normal(size=(3, 2))),
             "weights that do not sum to one",
@@ -234,9 +240,9 @@ def densities_inputs(seed: int) -> tuple[Call, ...]:
     return calls_of(
         "densities",
         ((h, random.normal(size=12), areas), "twelve points and four nodes"),
-        ((h, np.full(12, 3.0), areas), "a constant pressure"),
+        ((h, np.full(12, 3), areas), "a constant pressure"),
         (
-            (transfer(random, 5, 5), random.normal(size=5), np.full(5, 2.0)),
+            (transfer(random, 5, 5), random.integers(-99, 100, 5), np.full(5, 2)),
             "five points of equal area and five nodes",
         ),
         *(
@@ -310,7 +316,10 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
     return calls_of(
         name,
         ((nodes, places, forces), "five forces above a plate"),
-        ((nodes, places * [1, 1, 0], forces), "forces in the plane of the plate"),
+        (
+            (nodes, places * [1, 1, 0], random.integers(-9, 10, (5, 3))),
+            "forces in the plane of the plate, in whole numbers",
+        ),
         (
             (nodes, places[:1] * [1, 1, -2], np.array([[1.0, 0.5, 0.0]])),
             "one force along the plate, below it",
