@@ -152,7 +152,7 @@ def fourth_power_of_the_weights(points, values, w):
     """The weights enter with their fourth power. Multiplying each row of B and V by w already leads
     to W² in the normal equations.
     """
-    return solved(points, values, w**4)
+    return np.linalg.lstsq(basis(points) * w[:, None] ** 2, values * w**2, rcond=None)[0]
 
 
 @answers("02.2")
