@@ -30,6 +30,8 @@ ENOUGH = 2
 """Distinct numbers of one array that count as a leak: one may agree by chance."""
 SHORT_BITS = 24
 """Numbers with at most so many binary digits are not secret; a random one has 53."""
+LARGEST_DENOMINATOR, LARGEST_NUMERATOR = 1000, 10**6
+"""Ratios of integers up to these are not secret: they are answers to questions about integers."""
 LONG_NUMBER = re.compile(r"-?\d*\.?\d+(?:e[-+]?\d+)?", re.IGNORECASE)
 TOKEN = re.compile(
     r"(?P<word>(?:\.?[^\W\d]\w*)+|\.?\d[\w.]*(?:(?<=[eE])[-+]\d+)?|\*\*|//|[=!<>]=|[-+*/@%<>&|^~])"
@@ -219,10 +221,12 @@ def _secret_numbers(array: np.ndarray) -> dict[str, float]:
     """Return the numbers of an array that need all digits, by each way of writing them.
 
     A number is not secret if it is short in decimal digits, such as 0.5, or in binary digits, such
-    as -1.1e-16 = -2⁻⁵³: the rounding error of a difference is a small multiple of a power of two.
+    as -1.1e-16 = -2⁻⁵³: the rounding error of a difference is a small multiple of a power of two;
+    or if it is a ratio of small integers, such as 8/31.
     """
     numbers = {float(x) for x in np.ravel(array) if np.isfinite(x)}
-    secret = [x for x in numbers if float(f"{x:.6g}") != x and not _is_dyadic(x)]
+    long = [x for x in numbers if float(f"{x:.6g}") != x and not _is_dyadic(x)]
+    secret = [x for x in long if not _is_ratio(x)]
     return {_digits(x, k): x for x in secret for k in range(SIGNIFICANT, MOST_SIGNIFICANT + 1)}
 
 
@@ -230,6 +234,13 @@ def _is_dyadic(x: float) -> bool:
     """Whether a number is m 2ᵉ with an integer m of at most `SHORT_BITS` bits."""
     mantissa, _ = math.frexp(x)
     return math.ldexp(mantissa, SHORT_BITS).is_integer()
+
+
+def _is_ratio(x: float) -> bool:
+    """Whether a number agrees with a ratio of small integers in as many digits as are compared."""
+    p = x * np.arange(1, LARGEST_DENOMINATOR + 1)
+    near = np.abs(p - np.rint(p)) < 10.0**-MOST_SIGNIFICANT * np.abs(p)
+    return bool((near & (np.abs(p) <= LARGEST_NUMERATOR)).any())
 
 
 def _digits(x: float, count: int) -> str:

@@ -483,10 +483,13 @@ def test_leaked_numbers_of_a_hidden_case_are_found():
         ([0.0, -(2.0**-53), 3 * 2.0**-52], [-(2.0**-53), 3 * 2.0**-52], False),
         ([0.1 + 0.2 - 0.3, 1 - 0.9 - 0.1], [0.1 + 0.2 - 0.3, 1 - 0.9 - 0.1], False),
         ([1 / 1024, 2 / 3], [1 / 1024, 1 / 3], False),
+        ([8 / 31, 10 / 23, -8 / 3], [8 / 31, 10 / 23, -8 / 3], False),
+        ([8 / 31, 0.123456789123], [0.123456789123, 8 / 31], True),
+        (np.sqrt([2, 3]), np.sqrt([2, 3]), True),
     ],
 )
 def test_rounding_errors_and_short_numbers_are_not_a_leak(answer, public, is_leak):
-    """A number that is the whole answer is a leak; zeros, ones and multiples of 2⁻⁵³ are none."""
+    """A number that is the whole answer is a leak; ratios of small integers and 2⁻⁵³ are none."""
     answers = [(np.asarray(answer),)]
     assert bool(list(leaks.number_leaks((), answers, written(*public)))) == is_leak
 
