@@ -220,8 +220,8 @@ check("08.1")
 # ### 08.2 The circumcentre
 #
 # Write a function that returns $\mathbf{p}$ of (8.4). It must keep its accuracy for tetrahedra far
-# from the origin. The point is that of 06.4 and 07.2, now in space. If you have written one of
-# them, you may copy your function and add one edge.
+# from the origin. The point is the circumcentre of 06.4 and 07.2, now in space. If you have written
+# one of them, you may copy your function and add one edge.
 #
 # <details><summary>Hint</summary>
 #

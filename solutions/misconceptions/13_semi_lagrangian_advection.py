@@ -614,9 +614,9 @@ def rounds_of(sites, u, dt, rounds, k, sign=-1.0, start=None):
 
 @answers("13.11")
 def velocity_of_arrival(sites, u, dt, rounds, k):
-    """The result is that of one round, whatever the number of rounds. Either there is one round
-    only, or the velocity is taken at the site in every round. In (13.10) it is taken at the last
-    approximation of the departure point.
+    """The result is the same as after one round, whatever the number of rounds. Either there is one
+    round only, or the velocity is taken at the site in every round. In (13.10) it is taken at the
+    last approximation of the departure point.
     """
     return sites - dt * u[:, None]
 
