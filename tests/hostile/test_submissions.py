@@ -56,8 +56,6 @@ EMPTY_HOME = """
 import os
 assert os.listdir(".") == [] and os.listdir("..") == [os.path.basename(os.getcwd())]
 """
-FIT = "01.2"
-"""The question that most cases answer wrongly."""
 HONEST_IN_AN_EMPTY_HOME = Case("an empty home", before=EMPTY_HOME).submitted_file({})
 
 
@@ -164,8 +162,8 @@ def check_case(case, server, course, places):
     assert server._process is process
     assert process.poll() is None
 
-    honest = grade(course, server, Submission("honest", *HONEST_IN_AN_EMPTY_HOME), [FIT])
-    assert points(honest) == {FIT: POINTS["01"][FIT]}
+    honest = grade(course, server, Submission("honest", *HONEST_IN_AN_EMPTY_HOME))
+    assert points(honest) == POINTS["01"]
     assert honest.status == "graded"
     assert honest.notes == ()
 

@@ -32,7 +32,7 @@ class Mean(Reconstruction):
     methods : sequence of callable or Reconstruction
         Each takes points (n, d) to a method on them; or such methods, which are made again.
     progress : callable, optional
-        Passed on to the methods, a part of the work to each.
+        Passed on to the methods, all of which must take it; a part of the work to each.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Mean(Reconstruction):
     Raises
     ------
     ValueError
-        If there are no methods.
+        If there are no methods, or one has other sites.
 
     References
     ----------
@@ -63,11 +63,19 @@ class Mean(Reconstruction):
         progress: Progress | None = None,
     ) -> None:
         self.points = valid.as_points(points)
+        if isinstance(methods, Reconstruction) or callable(methods):
+            raise ValueError("methods must be a sequence: one method is given as [method]")
         if not len(methods):
             raise ValueError("methods must be one or more: there is no mean of none")
         parts = split_progress(progress, 100 * len(methods), len(methods))
         made = zip(map(as_maker, methods), parts, strict=True)
         self.methods = tuple(make(self.points, **_how(progress=part)) for make, part in made)
+        for method in self.methods:
+            if not np.array_equal(method.points.ravel(), self.points.ravel()):
+                raise ValueError(
+                    "each of the methods must be made on all given points, in their order; "
+                    f"{type(method).__name__} has {len(method.points)} of {len(self.points)} points"
+                )
         self.degree = min(method.degree for method in self.methods)
         self.interpolates = all(method.interpolates for method in self.methods)
 
@@ -79,7 +87,8 @@ class Mean(Reconstruction):
         values : (n, ...) array_like
             One real or complex scalar, vector or array for each site.
         progress : callable, optional
-            Passed on to the `field` of each method, a part of the work to each.
+            Passed on to the `field` of each method, all of which must take it; a part of the work
+            to each.
         **how
             Further arguments of the methods' own `field`, such as `executor`.
 

@@ -52,6 +52,16 @@ def test_the_progress_is_that_of_all_methods(work):
     assert 0 < seen[0] < 1 == seen[-1]
 
 
-def test_there_is_no_mean_of_no_methods():
-    with pytest.raises(ValueError, match="methods must be one or more"):
-        Mean(POINTS, [])
+@pytest.mark.parametrize(
+    ("methods", "sentence"),
+    [
+        ([], "methods must be one or more"),
+        (fr.LeastSquares, r"methods must be a sequence: one method is given as \[method\]"),
+        (fr.LeastSquares(POINTS), "methods must be a sequence"),
+        ([lambda p: fr.LeastSquares(p[:10])], "LeastSquares has 10 of 150 points"),
+        ([lambda p: fr.LeastSquares(p[::-1])], "all given points, in their order"),
+    ],
+)
+def test_methods_must_be_several_on_the_same_points(methods, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        Mean(POINTS, methods)
