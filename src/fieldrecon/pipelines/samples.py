@@ -328,17 +328,20 @@ def _merged(
     if len(start) == len(points):
         return samples(points=points, values=values, sigma=sigma)
     own, count = values[order], np.diff(np.append(start, len(points)))
-    with np.errstate(over="ignore"):  # the difference of two large values
-        spread = np.maximum.reduceat(own, start) - np.minimum.reduceat(own, start)
-    # divided before they are added, so that the sum of large values does not overflow
-    means = np.add.reduceat(own / np.repeat(count, count), start)
+    least, most = np.minimum.reduceat(own, start), np.maximum.reduceat(own, start)
+    # Values may be close to the largest number. Divided before they are added they overflow in
+    # the last digit at most, and a mean lies between the values.
+    with np.errstate(over="ignore"):
+        spread = most - least
+        shares = (own.T / np.repeat(count, count)).T
+        means = np.clip(np.add.reduceat(shares, start), least, most)
     if sigma is not None:
-        sigma = np.sqrt(np.add.reduceat(sigma[order] ** 2, start)) / count
+        sigma = np.hypot.reduceat(sigma[order], start) / count
     return samples(
         points=points[order[start]],
-        values=np.where(spread > 0, means, own[start]),
+        values=means,
         merged=len(points) - len(start),
-        conflicts=int((spread > 0).sum()),
+        conflicts=int((spread.reshape(len(start), -1) > 0).any(axis=1).sum()),
         spread=float(spread.max()),
         sigma=sigma,
     )

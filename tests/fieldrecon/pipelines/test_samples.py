@@ -343,6 +343,18 @@ def test_the_mean_of_huge_values_does_not_overflow(table):
     np.testing.assert_allclose(samples.values[0], 1.2e308)
     far = read_samples(table("x,y,z\n0,0,1.5e308\n0,0,-1.5e308\n1,0,1\n0,1,2\n"))
     assert (far.values[0], far.spread) == (0.0, np.inf)
+    largest = np.finfo(float).max
+    same = read_samples(table(f"x,y,z\n0,0,{largest}\n0,0,{largest}\n0,0,{largest}\n1,0,1\n"))
+    assert (same.values[0], same.conflicts) == (largest, 0)
+
+
+def test_several_values_and_their_deviations_are_merged_at_repeated_points(table):
+    """A point counts once as a conflict, however many of its values differ."""
+    rows = "0,0,1,10,3\n1,0,2,20,1\n0,0,3,14,4\n0,1,5,5,1\n1,0,2,20,1e200\n"
+    samples = read_samples(table(f"x,y,east,north,s\n{rows}"), value=("east", "north"), sigma="s")
+    np.testing.assert_allclose(samples.values, [[2, 12], [2, 20], [5, 5]])
+    np.testing.assert_allclose(samples.sigma, [2.5, 5e199, 1])
+    assert (samples.merged, samples.conflicts, samples.spread) == (2, 1, 4.0)
 
 
 def test_progress_is_reported_in_bytes(table, monkeypatch):
