@@ -40,6 +40,23 @@ MORE_WEIGHTS = ("MLS ε = 1", "MLS inverse multiquadric", "MLS gaussian,", "MLS 
 MORE_PATCHES = tuple(f"PU {name}" for name in ("r⁵", "r⁴ log r", "inverse", "gaussian", "Wendland"))
 
 
+# Larger ones of several of their kind.
+LONG = (
+    "PU r³ on 16 sites, degree 1, with scales in 3-D",
+    "PU r³ on 25 sites, degree 1 in 3-D",
+    "PU r³ smoothed",
+    "PU thin plate",
+    "PU, clusters",
+    "PU, hole",
+    "MLS ε = 0, degree 3",
+    "MLS wendland on 14 nearest",
+    "Voronoi cell, a pyritohedron",
+    "Voronoi cell, a rhombic dodecahedron",
+    "coordinates of the pyritohedron",
+    "mean of PU",
+)
+
+
 def is_long(case: Case) -> bool:
     """Whether the case has many variables, or repeats those of another weight or kernel."""
     if case.name.startswith(MORE_WEIGHTS):
@@ -47,7 +64,7 @@ def is_long(case: Case) -> bool:
     with_others = case.d != 2 and not case.name.startswith(IN_EVERY_DIMENSION)
     large = case.d == 3 and case.name.startswith(("MLS", "PU")) and "degree 1" not in case.name
     cubics = case.name.startswith("PU") and "degree 3" in case.name
-    return case.d > 3 or with_others or large or cubics or case.name.startswith(MORE_PATCHES)
+    return case.d > 3 or with_others or large or cubics or case.name.startswith(MORE_PATCHES + LONG)
 
 
 METHODS = [

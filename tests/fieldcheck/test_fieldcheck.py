@@ -508,6 +508,7 @@ def test_paths_are_one_line_with_three_decimals():
         np.testing.assert_allclose(*numbers, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_pictures_are_reproducible():
 
     def drawn():

@@ -16,6 +16,8 @@ from fieldreport.experiments.methods import (
 )
 from fieldreport.framework.orders_of_magnitude import OrderOfMagnitude
 
+pytestmark = pytest.mark.slow  # experiments are run
+
 ROUNDING = 1e-13
 
 
@@ -152,7 +154,6 @@ def test_the_thin_plate_spline_grows_linearly_far_away(kernels):
     assert kernels.arrays["far_gaussian"][-1] == 0
 
 
-@pytest.mark.slow
 def test_orders_depend_on_the_sequence_of_points():
     """By more than the digits of one fit; a point in the corner alone changes order and error."""
     params = kernel_comparison.Params(sizes=(50, 100, 200, 400), starts=(1, 50, 1000))
@@ -173,7 +174,6 @@ def test_smoother_kernels_have_worse_condition(kernels):
     assert conditions == sorted(conditions)
 
 
-@pytest.mark.slow
 def test_singular_normal_equations_are_reported_in_the_table(monkeypatch):
     """Far from the origin, rounding decides whether they are singular; both cases have a result."""
 
@@ -201,7 +201,6 @@ def test_the_gradient_of_the_nearest_samples_jumps():
     assert abs(s.gradient(left - 0.1) - s.gradient(right - 0.1)) < 1e-5
 
 
-@pytest.mark.slow
 def test_bumps_occur_with_either_basis():
     """More extrema than the field has, and an ε of the spacing removes most with either basis."""
     params = weight_shapes.Params(steps=3, relief_side=8, draws=2, fine=80)

@@ -150,6 +150,7 @@ class TestOutdatedSteps:
         assert built.build() == 0
         assert not (built.out / "experiments" / "fake_b").exists()
 
+    @pytest.mark.slow
     def test_option_only_builds_one_experiment(self, report):
         """Other experiments and the text are not built."""
         assert report.build("--only", "fake_b") == 0
@@ -299,6 +300,7 @@ def test_a_build_killed_during_a_write_is_completed_by_the_next(report, monkeypa
     assert report.outputs() == report.outputs(clean)
 
 
+@pytest.mark.slow
 def test_a_second_build_waits_and_reports_it(tmp_path):
     """It continues when the first build ends."""
     messages, entered = [], threading.Event()

@@ -185,16 +185,19 @@ LINTER = Path(sys.executable).parent / "lint-imports"
 CONTRACTS = (ROOT / "pyproject.toml").read_text().partition("[tool.importlinter]")[2]
 
 
+UPWARD = [
+    ("fieldrecon/kernels/base.py: import fieldrecon.methods.rbf", "Rooms of the library"),
+    ("fieldrecon/_core/chunks.py: def f(): from fieldreport import build", "Packages"),
+    ("fieldreport/framework/settings.py: from fieldreport import build", "Rooms of the report"),
+    ("fieldgrade/sandbox/frames.py: import fieldgrade.commands", "Rooms of the grader"),
+    ("fieldrecon/kernels/base.py: import fieldrecon.kernels.positive_definite", "No circles"),
+    ("fieldrecon/newroom/__init__.py: ", "Rooms of the library"),
+]
+
+
 @pytest.mark.parametrize(
     ("wrong", "broken"),
-    [
-        ("fieldrecon/kernels/base.py: import fieldrecon.methods.rbf", "Rooms of the library"),
-        ("fieldrecon/_core/chunks.py: def f(): from fieldreport import build", "Packages"),
-        ("fieldreport/framework/settings.py: from fieldreport import build", "Rooms of the report"),
-        ("fieldgrade/sandbox/frames.py: import fieldgrade.commands", "Rooms of the grader"),
-        ("fieldrecon/kernels/base.py: import fieldrecon.kernels.positive_definite", "No circles"),
-        ("fieldrecon/newroom/__init__.py: ", "Rooms of the library"),
-    ],
+    [UPWARD[0], *(pytest.param(*case, marks=pytest.mark.slow) for case in UPWARD[1:])],
 )
 def test_an_upward_import_is_reported(wrong, broken, tmp_path):
     """`make lint` checks the contracts of pyproject.toml; a new room must be listed in them."""
@@ -246,6 +249,7 @@ def imported(source: str) -> set[str]:
     return found
 
 
+@pytest.mark.slow
 def test_the_library_computes_without_matplotlib():
     """Only the room `plotting` imports matplotlib."""
     drawing = {

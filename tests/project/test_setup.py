@@ -152,6 +152,7 @@ def test_a_second_set_up_does_nothing(machine):
     assert machine.set_up() == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["requirements.lock", "pyproject.toml"])
 def test_a_changed_lock_file_updates_the_existing_environment(machine, name):
     """The environment is not made anew."""
@@ -214,6 +215,7 @@ def test_a_moved_checkout_gets_a_new_environment(machine):
     assert machine.set_up() == []
 
 
+@pytest.mark.slow
 def test_the_environment_may_have_another_name(machine):
     """VENV names it; a folder that is not an environment is not touched."""
     machine.python("python3")
@@ -235,6 +237,7 @@ def test_an_additional_lock_file_extends_the_environment(machine):
     assert machine.set_up(".venv/ready-lab") == []
 
 
+@pytest.mark.slow
 def test_packages_are_fetched_with_the_certificates_of_the_system_if_those_of_uv_fail(machine):
     """A network that inspects TLS is trusted by the system, and unknown to uv's certificates."""
     untrusted = "import os\nif 'UV_SYSTEM_CERTS' not in os.environ: sys.exit('UnknownIssuer')\n"
@@ -243,6 +246,7 @@ def test_packages_are_fetched_with_the_certificates_of_the_system_if_those_of_uv
     assert [line.split()[0] for line in machine.set_up()] == ["pip", "uv", "uv", "uv"]
 
 
+@pytest.mark.slow
 def test_the_first_suitable_python_is_used(machine):
     """A shim without a Python, an old Python and one without ensurepip are skipped."""
     machine.command("python3.14", "echo 'pyenv: python3.14: command not found' >&2; exit 127")
@@ -252,12 +256,14 @@ def test_the_first_suitable_python_is_used(machine):
     assert machine.set_up()[0].startswith("pip install")
 
 
+@pytest.mark.slow
 def test_the_python_can_be_chosen(machine):
     """PYTHON may name a Python that is not on the PATH."""
     machine.python("a python")
     assert len(machine.set_up(f"PYTHON={machine.bin / 'a python'}", ".venv/ready")) == 3
 
 
+@pytest.mark.slow
 def test_without_ensurepip_the_pip_of_the_system_is_used(machine):
     """Debian's python3 without python3-venv, but with python3-pip, is such a case."""
     machine.python("python3", BARE)
@@ -265,6 +271,7 @@ def test_without_ensurepip_the_pip_of_the_system_is_used(machine):
     assert re.match(r"pip --python \.venv/bin/python install .*--require-hashes", bring_uv)
 
 
+@pytest.mark.slow
 def test_without_ensurepip_and_pip_the_uv_of_the_system_is_used(machine):
     """It makes the environment and installs the pinned uv, which does the rest."""
     machine.python("python3", PIPLESS)

@@ -33,11 +33,14 @@ from fieldrecon.cli.main import main
 
 SOURCES = build.all_sources(ROOT)
 each_source = pytest.mark.parametrize("source", SOURCES, ids=[s.name for s in SOURCES])
-QUICKLY_PROVED = {"01"}
-PROOFS = [
-    pytest.param(s, id=s.name, marks=() if s.number in QUICKLY_PROVED else pytest.mark.slow)
-    for s in SOURCES
-]
+LONG = ("02", "04", "05", "11", "13", "14")
+each_source_and_the_long_ones_later = pytest.mark.parametrize(
+    "source",
+    [
+        pytest.param(s, id=s.name, marks=pytest.mark.slow if s.number in LONG else ())
+        for s in SOURCES
+    ],
+)
 
 
 @each_source
@@ -57,7 +60,7 @@ def test_cell_headers_alone_give_the_written_questions(source):
     assert reported
 
 
-@each_source
+@each_source_and_the_long_ones_later
 def test_the_known_answers_are_up_to_date_with_the_source(source):
     """The packaged numbers are those of the solution and the mistakes today, up to rounding."""
     kept = (ROOT / f"src/fieldcheck/answers/{source.number}.json").read_text(encoding="utf-8")
@@ -216,7 +219,8 @@ def test_an_answer_cell_defines_only_the_function_of_its_question(source):
         compile(notebooks.stub(cell), "stub", "exec")
 
 
-@pytest.mark.parametrize("source", PROOFS)
+@pytest.mark.slow
+@each_source
 def test_every_grader_gives_the_expected_verdicts(source):
     """The solution and the alternative right answers earn all points, the stub earns none, each
     misconception receives its own sentence, and small changes to the solution lose points.
@@ -289,6 +293,7 @@ def test_two_indistinguishable_misconceptions_are_reported(course):
     assert any("'times the place'" in p and "tolerances apart" in p for p in found)
 
 
+@pytest.mark.slow
 def test_a_surviving_mutant_is_reported(course):
     """A mutant of code that no check uses survives, and the report asks for a reason."""
     damage(course.path, "    residual =", "    spare = 1 + 2\n    residual =")
@@ -426,6 +431,7 @@ def contents(folder):
     return {path: path.read_bytes() for path in files}
 
 
+@pytest.mark.slow
 def test_a_leak_stops_the_build_before_any_file_is_written(changed_course):
     """No file is changed, and no file is added."""
     hint = changed_course / "src/fieldcheck/verdict.py"

@@ -26,8 +26,10 @@ def trials_of_class(number, count):
         yield {q.name: trials(q, functions, (), hidden, f"student {k}", "a salt") for q in asked}
 
 
-@pytest.mark.parametrize("students", [2, pytest.param(25, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("number", SOURCES)
+@pytest.mark.parametrize(
+    ("number", "students"),
+    [("01", 2), *(pytest.param(number, 25, marks=pytest.mark.slow) for number in SOURCES)],
+)
 def test_no_right_answer_consists_of_rounding_errors(number, students):
     """A rounding error of zero would become the unit of all differences.
 
@@ -69,7 +71,9 @@ def tried(question):
     return trials(get(question), FUNCTIONS, MISTAKES, hidden_cases(SOURCE), "ada", "a secret salt")
 
 
-@pytest.mark.parametrize("question", ["01.1", "01.2", "01.4"])
+@pytest.mark.parametrize(
+    "question", ["01.1", *(pytest.param(q, marks=pytest.mark.slow) for q in ("01.2", "01.4"))]
+)
 def test_misconceptions_are_recognised_on_hidden_inputs(question):
     """The student reads the sentence of the misconception, which reveals no input."""
     mistakes = [m for m in MISTAKES if m.question == question]

@@ -293,6 +293,7 @@ def test_an_unfiltered_error_of_a_hidden_case_would_be_found(leaking):
     assert [text for text in texts if number in text]
 
 
+@pytest.mark.slow
 def test_feedback_contains_the_sentence_of_a_hidden_case_and_not_its_name(leaking):
     sheets, _ = leaking
     page = feedback([next(s for s in sheets if s.student["student"] == "leak")])

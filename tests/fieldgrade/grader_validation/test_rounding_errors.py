@@ -123,6 +123,7 @@ def test_a_misconception_that_depends_on_rounding_is_reported(noisy, question, n
     )
 
 
+@pytest.mark.slow
 def test_the_check_command_refuses_a_misconception_that_depends_on_rounding(
     noisy, capsys, monkeypatch
 ):

@@ -373,6 +373,7 @@ def test_a_submission_that_crashes_does_not_affect_others(tmp_path):
     assert found["zoe", "01.2"] == 3.0
 
 
+@pytest.mark.slow
 def test_no_hidden_input_reaches_the_results(tmp_path):
     """Neither return values nor errors reveal one, since public cases are tried first."""
     thief = """

@@ -40,7 +40,16 @@ def test_a_clean_mesh_has_status_0(folder, capsys):
     assert written == audit_mesh(*read_triangles("ball.stl")).as_dict()
 
 
-@pytest.mark.parametrize("error", ["duplicate vertex", "bow-tie", "one side", "overlap"])
+@pytest.mark.parametrize(
+    "error",
+    [
+        "overlap",
+        *(
+            pytest.param(e, marks=pytest.mark.slow)
+            for e in ("duplicate vertex", "bow-tie", "one side")
+        ),
+    ],
+)
 def test_an_error_has_status_1_and_is_named(folder, capsys, error):
     """The table and the JSON name each kind of error that was planted in the mesh."""
     write_triangles("mesh.ply", *PLANTED[error].surface)

@@ -246,6 +246,7 @@ def test_repair_checks_its_packages_before_it_reads(capsys, monkeypatch):
 # --- measurements ---------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_measurements_are_read_from_the_checkout(tmp_path, monkeypatch, capsys):
     """They are found if the working directory lies in a checkout; elsewhere an error says so."""
     monkeypatch.setattr(experiment, "__file__", str(tmp_path / "a" / "b" / "c" / "d.py"))

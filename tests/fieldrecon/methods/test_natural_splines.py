@@ -283,6 +283,7 @@ def test_the_spline_through_two_sites_is_a_line():
     assert_close(method.coefficients([7.0, 3.0])[1], [1.0, 2.0], 1e-13)
 
 
+@pytest.mark.slow
 def test_a_million_sites_are_interpolated():
     """The banded system has linear cost. The r³ form would need 8 TB."""
     sites = np.arange(1_000_000) / 1e6

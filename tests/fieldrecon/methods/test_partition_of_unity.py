@@ -157,6 +157,7 @@ def error_near_the_boundary() -> float:
     return error.max() / np.sqrt(np.mean(error**2))
 
 
+@pytest.mark.slow
 def test_the_error_near_the_boundary_is_bounded(monkeypatch):
     """Outside the balls, patches with a few times fewer sites are used, not 100 times fewer."""
     known = error_near_the_boundary()

@@ -408,7 +408,8 @@ def test_a_saved_field_is_evaluated(tmp_path):
     pd.testing.assert_frame_equal(again.to_dataframe(), survey.to_dataframe())
 
 
-@pytest.mark.parametrize("missing", [pytest.param("pandas", marks=pytest.mark.slow), "xarray"])
+@pytest.mark.slow
+@pytest.mark.parametrize("missing", ["pandas", "xarray"])
 def test_the_library_works_without_pandas_and_xarray(missing):
     """Neither is imported by the library, and a missing one is named with its extra."""
     code = (
@@ -426,6 +427,7 @@ def test_the_library_works_without_pandas_and_xarray(missing):
 # --- surfaces and audits --------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_points_in_memory_become_a_closed_mesh_and_a_damaged_mesh_is_repaired(tmp_path):
     """The mesh of a ball is closed; after removal of one triangle the audit repairs it."""
     points, normals = sample_surface(Ball(1.0), 300, seed=1)

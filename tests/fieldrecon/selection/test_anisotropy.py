@@ -61,7 +61,9 @@ def test_the_parts_of_a_mean_are_anisotropic():
     assert all(str(ALONG) in one.meaning for one in (model, *model.parts))
 
 
-@pytest.mark.parametrize("name", [pytest.param("pu1", marks=pytest.mark.slow), "cubic", "mls1"])
+@pytest.mark.parametrize(
+    "name", ["mls1", *(pytest.param(name, marks=pytest.mark.slow) for name in ("pu1", "cubic"))]
+)
 def test_the_direction_is_found_where_there_is_one(name):
     """It is found to 45 degrees, and the error at other points is smaller."""
     points, x = uniform(200, 2, seed=3), 0.1 + 0.8 * uniform(500, 2, seed=4)
@@ -76,6 +78,7 @@ def test_the_direction_is_found_where_there_is_one(name):
     assert np.linalg.norm(errors[0]) < 0.9 * np.linalg.norm(errors[1])
 
 
+@pytest.mark.slow
 def test_none_is_found_where_there_is_none():
     """Waves of all directions, by the one-standard-error rule; least squares has no distances."""
     points = uniform(200, 2, seed=5)
@@ -96,6 +99,7 @@ def test_a_given_one_is_used_and_named():
     assert survey.method == "cubic, cubic spline r³, ranges 4 times as long along 30°"
 
 
+@pytest.mark.slow
 def test_the_better_method_of_both_is_evaluated():
     """Both stand in the table of methods."""
     points = uniform(200, 2, seed=3)

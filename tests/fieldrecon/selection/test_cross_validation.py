@@ -183,6 +183,7 @@ def test_only_smoothed_patches_become_wide():
     assert with_wide_patches(wide) is None
 
 
+@pytest.mark.slow
 def test_the_mean_is_that_of_the_best_variants_of_its_parts():
     """Its residuals are those of its field, also on a tangent plane and with a noise of each."""
     points, mean = np.add(uniform(420, 3, seed=2), [0, 0, 1]), MODELS["mean"]
@@ -238,8 +239,13 @@ def test_the_patches_of_a_mean_become_wide():
     assert with_wide_patches(mean_of(makers[2:])) is None
 
 
+QUICK = ("linear", "smooth", "pu", "cubic", "tps", "ls1", "ls2", "mls1")
+
+
 @pytest.mark.parametrize("d", [2, pytest.param(3, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=() if n in QUICK else pytest.mark.slow) for n in MODELS]
+)
 def test_every_model_reproduces_affine_fields(name, d):
     """The field is reproduced inside and outside the convex hull."""
     points = uniform(80, d, seed=2)

@@ -18,6 +18,8 @@ from fieldreport.experiments.velocity.cell_velocity import (
 )
 from fieldreport.framework.error_measures import order
 
+pytestmark = pytest.mark.slow  # experiments are run
+
 ROUNDING = 1e-12
 
 
@@ -65,7 +67,6 @@ def test_the_closed_form_agrees_with_least_squares_by_numpy():
     check_closed_form(closed_form)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("part", [np.eye(2), STRAIN, np.array([[0.0, 1.0], [1.0, 0.0]])])
 def test_a_closed_form_without_one_of_its_terms_fails(part):
     """Expansion and both strains contribute to the error, and the rotation does not."""
@@ -95,7 +96,6 @@ def test_each_field_attains_its_velocity_at_a_triangle_centre(k):
     np.testing.assert_allclose(distance, at["nine_point_radius"], atol=1e-10)
 
 
-@pytest.mark.slow
 def test_some_strain_attains_its_velocity_at_the_midpoint_of_a_side():
     """The strain whose normal velocities vanish at the midpoints of the sides."""
     corners = np.array([[-1.0, 0.0], [1.0, 0.0], [0.3, 1.7]])

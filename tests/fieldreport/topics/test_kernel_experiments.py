@@ -8,6 +8,8 @@ from fieldreport import experiments
 from fieldreport.experiments.kernels import cpd_kernels, mairhuber_curtis
 from fieldreport.experiments.methods import hermite_data, natural_splines
 
+pytestmark = pytest.mark.slow  # experiments are run
+
 
 @pytest.fixture(scope="module")
 def splines():
@@ -83,7 +85,6 @@ def test_six_points_on_a_conic_make_the_quadratic_matrix_singular(exchange):
     assert np.linalg.svd(b, compute_uv=False)[-2] > 1e-2
 
 
-@pytest.mark.slow
 def test_every_kernel_has_its_order_of_positive_definiteness(kernels):
     """Positive with the side conditions of its order and not below; inertia (n, q, 0) for all."""
     facts = kernels.facts

@@ -17,6 +17,8 @@ from fieldreport.experiments.velocity.pressure_gradients import (
 )
 from fieldreport.framework.error_measures import order, rms
 
+pytestmark = pytest.mark.slow  # experiments are run
+
 
 @pytest.fixture(scope="module")
 def found():

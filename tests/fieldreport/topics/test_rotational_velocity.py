@@ -30,6 +30,8 @@ from fieldreport.experiments.velocity.normal_matrix_rank import (
     vertices_around,
 )
 
+pytestmark = pytest.mark.slow  # experiments are run
+
 ROUNDING = 1e-12
 
 
@@ -151,14 +153,12 @@ def test_the_mean_of_two_ends_is_the_midpoint_value_for_affine_fields(result):
 # --- refinement -----------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
 def test_enough_rings_give_second_order(refined):
     """This holds in the plane and in space, with equal weights and with those of the slides."""
     for name in ("ls_2d", "mls_2d", "ls_3d", "mls_3d"):
         assert 1.7 < refined.facts[f"order_{name}"] < 2.5
 
 
-@pytest.mark.slow
 def test_one_ring_does_not_converge(refined):
     """At vertices that one ring does not determine, the error stays of order one."""
     table = refined.tables["convergence"]
@@ -169,7 +169,6 @@ def test_one_ring_does_not_converge(refined):
     assert refined.facts["undetermined_2d"] > 0.05
 
 
-@pytest.mark.slow
 def test_weights_reduce_the_error_where_two_rings_are_needed(refined):
     """They reduce the influence of the far edges of the second ring."""
     assert refined.facts["gain_2"] > 1.5
