@@ -38,6 +38,15 @@ def fitted(points, k, first=0, which=0, centre=None):
 
 
 @answers("11.1")
+def stored_like_the_points(points, k):
+    """The normals were stored in an array of the type of the points, as `np.zeros_like` makes it.
+    For points with integer coordinates it holds integers only, and the decimals are lost.
+    """
+    n, q = fitted(points, k)
+    return n.astype(points.dtype), q
+
+
+@answers("11.1")
 def along_the_surface(points, k):
     """These directions run along the surface, since they belong to the largest variance. The normal
     belongs to the smallest variance. NumPy sorts the eigenvalues in increasing order.

@@ -146,7 +146,7 @@ def random_signs(random: np.random.Generator, normals: np.ndarray) -> np.ndarray
 
 
 def normals_inputs(seed: int) -> tuple[Call, ...]:
-    """Return point clouds in the plane and in space, also far from the origin."""
+    """Return point clouds in the plane and in space, also far from the origin, and integers."""
     random = np.random.default_rng(seed)
     flat = (
         np.column_stack([random.uniform(-1, 1, (14, 2)), 0.05 * random.normal(size=14)]) @ OBLIQUE
@@ -160,6 +160,8 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((flat, 14), "a rough plane of fourteen points, all of them neighbours"),
         ((oval(random, 12) + np.array([4e4, -2e4]), 4), "an oval far from the origin"),
         ((oval(random, 15) + np.array([-3e4, 5e4]), 5), "another oval far from the origin"),
+        ((np.rint(1e4 * oval(random, 14)).astype(int), 4), "an oval, integers"),
+        ((np.rint(1e4 * torus(random, 4, 8)).astype(int), 6), "a torus in space, integers"),
     )
 
 
