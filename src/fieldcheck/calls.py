@@ -69,6 +69,20 @@ def calls_of(function: str, *cases: tuple[tuple[Any, ...], str]) -> tuple[Call, 
     return tuple(Call(function, arguments, case) for arguments, case in cases)
 
 
+def integers(numbers: np.ndarray, size: float = 300.0) -> np.ndarray:
+    """Return the numbers times `size`, rounded, as an array of integers.
+
+    An answer that stores fractions in an array of this type, as ``np.zeros_like`` makes it, loses
+    the decimals. The fourth powers of such numbers do not overflow.
+
+    Examples
+    --------
+    >>> integers(np.array([0.127, -1.5]))
+    array([  38, -450])
+    """
+    return np.rint(size * numbers).astype(int)
+
+
 @dataclass(frozen=True)
 class Outcome:
     """The outcome of a call.

@@ -36,9 +36,13 @@ FACTORS = {
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """The returned and the right arrays of a call, in normal form."""
+    """The returned and the right arrays of a call, in normal form.
+
+    `whole` contains the positions of the arguments that are arrays of integers.
+    """
 
     name: str
+    whole: frozenset[int]
     values: Values
     right: Values
     tolerance: float
@@ -78,6 +82,7 @@ def pattern(
     cases = [
         Case(
             call.case,
+            frozenset(k for k, a in enumerate(call.arguments) if _is_whole(a)),
             question.normal_form(call, v),
             question.normal_form(call, r),
             max(question.tolerance(call), LEAST_TOLERANCE),
@@ -89,7 +94,7 @@ def pattern(
         return ""
     arithmetic = () if are_truth_values(right) else (_zero, _factor, _signs, _offset)
     kinds = (_single_precision, *arithmetic, _outputs, _order, _positions)
-    found = next(filter(None, (kind(wrong) for kind in kinds)), "")
+    found = _decimals(cases, wrong) or next(filter(None, (kind(wrong) for kind in kinds)), "")
     return " ".join(filter(None, (_where(cases, wrong), found)))
 
 
@@ -103,6 +108,27 @@ def _where(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
     if len(wrong) == 1 < len(cases):
         return f"Your values are wrong only for {wrong[0].name}."
     return f"Your values are right only for {right[0]}." if len(right) == 1 else ""
+
+
+def _is_whole(argument: object) -> bool:
+    return isinstance(argument, np.ndarray) and argument.dtype.kind in "iu"
+
+
+def _decimals(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
+    """Recognise values cut to integers where an argument, elsewhere real, is an array of them."""
+    right = [case.whole for case in cases if case not in wrong]
+    always = frozenset.intersection(*(case.whole for case in wrong))
+    cut = all(
+        case.same(v, r) or ((v == np.trunc(v)) & (np.abs(v - r) < 1)).all()
+        for case in wrong
+        for v, r in case.pairs
+    )
+    if not (right and cut and always.difference(*right)):
+        return ""
+    return (
+        "Where an argument is an array of integers, the decimals are lost. An array that "
+        "`np.zeros_like` makes from it holds integers only; `np.zeros(a.shape)` holds decimals."
+    )
 
 
 def _single_precision(wrong: Sequence[Case]) -> str:

@@ -136,3 +136,35 @@ def test_cases_may_have_the_same_name():
     right = [call.arguments for call in CALLS]
     values = [right[0], (-right[1][0],)]
     assert "opposite sign" in pattern(TABLE, alike, values, right)
+
+
+def halves(cut, whole=("integers",)):
+    """The pattern if halves of tables are cut in some cases; `whole` tables hold integers."""
+    numbers = 10 * np.arange(9.0).reshape(3, 3) + 3
+    tables = {"small": 10 * CALLS[0].arguments[0], "large": 10 * CALLS[1].arguments[0]}
+    tables["integers"] = numbers
+    tables = {name: a.astype(int) if name in whole else a for name, a in tables.items()}
+    calls = [Call("table", (a,), name) for name, a in tables.items()]
+    right = [(a / 2,) for a in tables.values()]
+    values = [(np.trunc(a / 2) if name in cut else a / 2,) for name, a in tables.items()]
+    return pattern(TABLE, calls, values, right)
+
+
+def test_lost_decimals_of_integers_are_reported():
+    """An answer is right for real numbers, and stores halves of integers as integers."""
+    assert "the decimals are lost" in halves(cut=("integers",))
+
+
+@pytest.mark.parametrize(
+    ("cut", "whole"),
+    [
+        (("small",), ("integers",)),
+        (("small", "integers"), ("integers",)),
+        (("integers",), ()),
+        (("integers",), ("small", "large", "integers")),
+    ],
+    ids=["real numbers", "real numbers too", "no integers", "integers everywhere"],
+)
+def test_lost_decimals_have_no_other_cause(cut, whole):
+    """Nothing is said of integers if they are not what the wrong cases have in common alone."""
+    assert "decimals" not in halves(cut, whole)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Question, law, law_of_each, relative
 
 FITTED = 1e-8
@@ -127,6 +127,8 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((points, sides(triangles, random)), "the edges of a mesh"),
         ((1e-9 * cross, np.array([[1, 0], [0, 2]])), "two edges along the axes, of length 10⁻⁹"),
         ((50 * more - 20, sides(others, random)), "a larger mesh"),
+        ((integers(points), sides(triangles, random)), "a mesh of integers"),
+        ((integers(more), sides(others, random)), "another mesh of integers"),
     )
 
 
@@ -179,6 +181,8 @@ def rotation_inputs(seed: int) -> tuple[Call, ...]:
         ((points,), "the vertices of a mesh"),
         ((points + np.array([3.0, -2.0]),), "the same vertices, moved"),
         ((cloud,), "seven points, more of them on one side"),
+        ((integers(points),), "the vertices of a mesh, integers"),
+        ((integers(cloud),), "seven points, integers"),
     )
 
 

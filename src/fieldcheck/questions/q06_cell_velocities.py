@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q05_vertex_velocities import (
     AWAY,
@@ -73,6 +73,8 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((along_the_axes(random),), "a triangle with two sides along the axes"),
         ((1e-12 * triangle(random, False),), "a triangle of the size 10⁻¹², clockwise"),
         ((1e-12 * triangle(random, True),), "a triangle of the size 10⁻¹², anticlockwise"),
+        ((integers(triangle(random, True)),), "a triangle of integers, anticlockwise"),
+        ((integers(triangle(random, False)),), "a triangle of integers, clockwise"),
     )
 
 
@@ -135,6 +137,12 @@ def velocity_inputs(name: str, seed: int) -> tuple[Call, ...]:
         ((1e-9 * small, normal_velocities(random, small)), "a triangle of the size 10⁻⁹"),
         ((flat, normal_velocities(random, flat)), "a flat triangle"),
         ((wide, 1e-9 * normal_velocities(random, wide)), "a very slow flow"),
+        ((integers(q), normal_velocities(random, q)), "a triangle of integers"),
+        ((integers(wide), integers(normal_velocities(random, wide))), "integers everywhere"),
+        (
+            (flat * [1, 2e-3], normal_velocities(random, flat)),
+            "a triangle flatter than a thousandth",
+        ),
     )
 
 
@@ -191,6 +199,8 @@ def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
         ),
         ((obtuse(random) * [1, 0.02],), "a flat triangle"),
         ((obtuse(random) * [0.02, 1] + 2,), "a narrow triangle"),
+        ((integers(triangle(random, True)),), "a triangle of integers"),
+        ((integers(obtuse(random)),), "an obtuse triangle of integers"),
     )
 
 
@@ -215,6 +225,8 @@ def truth_inputs(seed: int) -> tuple[Call, ...]:
         ((x[:4], m, 0.8642), "four points, s = 0.8642"),
         ((x[4:], m, 26.73), "two points, s = 26.73"),
         ((x[1:], m, -31.05), "five points, s = −31.05"),
+        ((integers(x), m, 0.5314), "six points, integers, and s = 0.5314"),
+        ((integers(x[2:]), integers(m), -0.271), "points and centre, integers"),
     )
 
 
@@ -289,6 +301,8 @@ def raviart_thomas_inputs(seed: int) -> tuple[Call, ...]:
             "a triangle listed clockwise",
         ),
         ((1e-9 * q, v, 1e-9 * on[1] + 1e-10), "a triangle of the size 10⁻⁹"),
+        ((integers(q), v, integers(random.random(2))), "a triangle and a point, integers"),
+        ((integers(q), integers(v), random.random(2)), "a triangle and velocities, integers"),
     )
     away, x = np.split(
         far_away(np.append(triangle(random, True), random.random((1, 2)), axis=0)), [3]

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Law, Question, law, law_of_each, relative
 from fieldcheck.simplices import (
     is_equally_far,
@@ -169,6 +169,8 @@ def triangles(name: str, seed: int) -> tuple[Call, ...]:
             )
             for k, words in enumerate(("from a", "from b", "from c"))
         ),
+        (tuple(integers(p) for p in (a, b, c)), "a triangle of integers"),
+        (tuple(integers(p) for p in (b, a, far)), "an obtuse triangle of integers"),
     )
 
 
@@ -179,7 +181,9 @@ def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
         [part * scale for part in near[3].arguments] for scale in ([1, 0.02], [0.02, 1])
     )
     thin = calls_of(
-        "circumcenter", (tuple(flat), "a flat triangle"), (tuple(narrow), "a narrow triangle")
+        "circumcenter",
+        (tuple(flat), "a flat triangle"),
+        (tuple(narrow), "a narrow triangle"),
     )
     cases = ("the first triangle, far from the origin", "an obtuse triangle far from the origin")
     return near + moved_far_away((near[0], near[3]), cases) + thin

@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Law, Question, law, relative
 from fieldcheck.questions.q07_voronoi_coordinates import (
     ONE,
@@ -89,6 +89,8 @@ def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
         ((a, b, c, (c + d) / 2), "half of the tetrahedron"),
         ((b, a, c, low), "a flat tetrahedron, listed the other way round"),
         (tuple(1e-4 * p for p in (a, c, b, d)), "a tetrahedron of the size 10⁻⁴"),
+        (tuple(integers(p) for p in (a, b, c, d)), "a tetrahedron of integers"),
+        (tuple(integers(p, 200) for p in (a, c, b, d)), "another tetrahedron of integers"),
     )
 
 
@@ -103,7 +105,14 @@ def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
     """Return the tetrahedra, and two of them far from the origin."""
     near = tetrahedra("circumcenter", seed)
     cases = ("the first tetrahedron, far from the origin", "a flat tetrahedron, far away")
-    return near + moved_far_away((near[0], near[3]), cases)
+    layers = calls_of(
+        "circumcenter",
+        *(
+            (tuple(p * scale for p in near[0].arguments), f"a tetrahedron in a thin layer, {words}")
+            for scale, words in (([1, 1, 2e-3], "lying"), ([2e-4, 1, 1], "upright"))
+        ),
+    )
+    return near + moved_far_away((near[0], near[3]), cases) + layers
 
 
 # 08.4 The volume of the normals
