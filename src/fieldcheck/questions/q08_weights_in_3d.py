@@ -109,7 +109,7 @@ def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
         "circumcenter",
         *(
             (tuple(p * scale for p in near[0].arguments), f"a tetrahedron in a thin layer, {words}")
-            for scale, words in (([1, 1, 2e-3], "lying"), ([2e-4, 1, 1], "upright"))
+            for scale, words in (([1, 1, 0.02], "lying"), ([0.02, 1, 1], "upright"))
         ),
     )
     return near + moved_far_away((near[0], near[3]), cases) + layers
