@@ -56,8 +56,11 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         ((plane, plane[2].copy(), 0.2), "an evaluation point that is one of the points"),
         ((1e-5 * plane, 1e-5 * x, 3e-8), "seven points in a square of 10⁻⁵ and a small ε"),
         ((1e-5 * space, 1e-4 * random.normal(size=3), 5e-7), "five points in a cube of 10⁻⁵"),
-        ((integers(plane), integers(x), 90), "seven points in the plane, integers"),
-        ((integers(space), integers(random.normal(size=3)), 180), "five points in space, integers"),
+        ((integers(plane), integers(x), 90.0), "seven points in the plane, integers"),
+        (
+            (integers(space), integers(random.normal(size=3)), 180.0),
+            "five points in space, integers",
+        ),
     )
 
 
@@ -176,8 +179,8 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
             "twenty-three measurements at twenty points in a cube of 10⁻⁴",
         ),
         ((p, v, x, 0.05), "a small ε"),
-        ((integers(p), integers(v), integers(x), 75), "points and values in the plane, integers"),
-        ((integers(space), data, integers(y), 150), "points in space, integers"),
+        ((integers(p), integers(v), integers(x), 75.0), "points and values in the plane, integers"),
+        ((integers(space), data, integers(y), 150.0), "points in space, integers"),
     )
     return tuple(Call("field", given, case, exact=(0, 2)) for given, case in cases)
 
@@ -277,8 +280,8 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
         ),
         ((p, v + HIGH, x, 0.3), "the points on a circle, all values larger by 10000"),
         ((space, data + HIGH, y, 0.5), "the points in space, all values larger by 10000"),
-        ((integers(p), integers(v), integers(x), 90), "the points on a circle, integers"),
-        ((integers(space), data, integers(y), 150), "the points in space, integers"),
+        ((integers(p), integers(v), integers(x), 90.0), "the points on a circle, integers"),
+        ((integers(space), data, integers(y), 150.0), "the points in space, integers"),
     )
     return tuple(Call("gradient", given, case, exact=(0, 2)) for given, case in cases)
 
@@ -365,7 +368,7 @@ def leave_one_out_inputs(seed: int) -> tuple[Call, ...]:
             "the same values plus those of an affine field",
         ),
         ((random.random((14, 3)) - 0.4, random.normal(size=14), 0.6), "fourteen points in space"),
-        ((integers(p), integers(v), 90), "twelve points and their values, integers"),
+        ((integers(p), integers(v), 90.0), "twelve points and their values, integers"),
         ((p, integers(raised), 0.3), "twelve points and values that are integers"),
     )
     case = "a grid of four by three points, two of them measured twice, and values that repeat"
