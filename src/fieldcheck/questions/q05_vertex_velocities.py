@@ -127,8 +127,8 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((points, sides(triangles, random)), "the edges of a mesh"),
         ((1e-9 * cross, np.array([[1, 0], [0, 2]])), "two edges along the axes, of length 10⁻⁹"),
         ((50 * more - 20, sides(others, random)), "a larger mesh"),
-        ((integers(points), sides(triangles, random)), "a mesh of integers"),
-        ((integers(more), sides(others, random)), "another mesh of integers"),
+        ((integers(points, 1e4), sides(triangles, random)), "a mesh of integers"),
+        ((integers(more, 1e4), sides(others, random)), "another mesh of integers"),
     )
 
 

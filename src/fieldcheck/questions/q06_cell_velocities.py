@@ -73,8 +73,8 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((along_the_axes(random),), "a triangle with two sides along the axes"),
         ((1e-12 * triangle(random, False),), "a triangle of the size 10⁻¹², clockwise"),
         ((1e-12 * triangle(random, True),), "a triangle of the size 10⁻¹², anticlockwise"),
-        ((integers(triangle(random, True)),), "a triangle of integers, anticlockwise"),
-        ((integers(triangle(random, False)),), "a triangle of integers, clockwise"),
+        ((integers(triangle(random, True), 1e4),), "a triangle of integers, anticlockwise"),
+        ((integers(triangle(random, False), 1e4),), "a triangle of integers, clockwise"),
     )
 
 
