@@ -125,10 +125,16 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
         ),
     )
     given = [((p, random.normal(size=len(p)), weigh(len(p))), case) for p, weigh, case in cases]
-    (p, v, w), (q, data, _) = given[0][0], given[1][0]
+    (_, v, w), (_, data, _) = given[0][0], given[1][0]
     given += [
-        ((integers(p), integers(v), w), "fourteen measurements in the plane, integers"),
-        ((integers(q), data, alike(len(q))), "twenty-three measurements in space, integers"),
+        (
+            (integers(twice(plane, 2)), integers(v), w),
+            "fourteen measurements in the plane, integers",
+        ),
+        (
+            (integers(twice(space, 3)), data, alike(23)),
+            "twenty-three measurements in space, integers",
+        ),
     ]
     return tuple(Call("weighted_fit", arguments, case, exact=(0,)) for arguments, case in given)
 

@@ -111,7 +111,7 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
         *general,
         *(Call("system_matrix", (points,), case, exact=(0,)) for points, case in lattices),
         *(
-            Call("system_matrix", (integers(*call.arguments, 1000),), f"{call.case}, integers")
+            Call("system_matrix", (integers(call.arguments[0], 1000),), f"{call.case}, integers")
             for call in general[:2]
         ),
     )
