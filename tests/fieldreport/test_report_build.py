@@ -102,6 +102,7 @@ def test_builds_in_two_folders_have_the_same_bytes(whole, tmp_path, monkeypatch)
 class TestOutdatedSteps:
     """A change repeats the steps that depend on it, and no others."""
 
+    @pytest.mark.slow
     def test_a_changed_parameter_runs_and_draws_its_experiment(self, built):
         (built.source / "experiments.toml").write_text("[fake_b]\nepsilon = 0.5\n")
         assert built.build() == 0
