@@ -138,7 +138,10 @@ def velocity_inputs(name: str, seed: int) -> tuple[Call, ...]:
         ((flat, normal_velocities(random, flat)), "a flat triangle"),
         ((wide, 1e-9 * normal_velocities(random, wide)), "a very slow flow"),
         ((integers(q), normal_velocities(random, q)), "a triangle of integers"),
-        ((integers(wide), integers(normal_velocities(random, wide))), "integers everywhere"),
+        (
+            (integers(wide), integers(normal_velocities(random, wide))),
+            "an obtuse triangle and velocities, integers",
+        ),
         (
             (flat * [1, 2e-3], normal_velocities(random, flat)),
             "a triangle flatter than a thousandth",

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Question, law, relative
 
 THICK = 0.4
@@ -160,8 +160,8 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((flat, 14), "a rough plane of fourteen points, all of them neighbours"),
         ((oval(random, 12) + np.array([4e4, -2e4]), 4), "an oval far from the origin"),
         ((oval(random, 15) + np.array([-3e4, 5e4]), 5), "another oval far from the origin"),
-        ((np.rint(1e4 * oval(random, 14)).astype(int), 4), "an oval, integers"),
-        ((np.rint(1e4 * torus(random, 4, 8)).astype(int), 6), "a torus in space, integers"),
+        ((integers(oval(random, 14), 1e4), 4), "an oval, integers"),
+        ((integers(torus(random, 4, 8), 1e4), 6), "a torus in space, integers"),
     )
 
 
