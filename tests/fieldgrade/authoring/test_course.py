@@ -34,7 +34,7 @@ from fieldrecon.cli.main import main
 SOURCES = build.all_sources(ROOT)
 each_source = pytest.mark.parametrize("source", SOURCES, ids=[s.name for s in SOURCES])
 LONG = ("02", "04", "05", "11", "13", "14")
-each_source_and_the_long_ones_later = pytest.mark.parametrize(
+each_source_long_ones_slow = pytest.mark.parametrize(
     "source",
     [
         pytest.param(s, id=s.name, marks=pytest.mark.slow if s.number in LONG else ())
@@ -60,7 +60,7 @@ def test_cell_headers_alone_give_the_written_questions(source):
     assert reported
 
 
-@each_source_and_the_long_ones_later
+@each_source_long_ones_slow
 def test_the_known_answers_are_up_to_date_with_the_source(source):
     """The packaged numbers are those of the solution and the mistakes today, up to rounding."""
     kept = (ROOT / f"src/fieldcheck/answers/{source.number}.json").read_text(encoding="utf-8")
