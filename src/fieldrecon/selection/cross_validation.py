@@ -78,6 +78,8 @@ class ModelScore:
         Why the model was not tried or has no field, otherwise empty.
     weights : ndarray of shape (m,), optional
         How much each held-out sample counts in the root mean square; by default all equally.
+    held_out : ndarray of shape (m,), optional
+        The held-out samples, by their indices; by default m different ones.
     caution : float
         That of the model if its error cannot be told from the least, otherwise infinite.
     """
@@ -87,6 +89,7 @@ class ModelScore:
     residuals: np.ndarray | None
     reason: str = ""
     weights: np.ndarray | None = None
+    held_out: np.ndarray | None = None
     caution: float = np.inf
 
     def __repr__(self) -> str:
@@ -128,13 +131,15 @@ class ModelScore:
     def is_level_with(self, best: ModelScore) -> bool:
         """Whether its mean square error exceeds that of the best by at most one standard error.
 
-        With the differences e of their squares at m held-out samples: mean(e) <= sqrt(var(e) / m).
+        With the differences e of their squares, and s the sums of e - mean(e) at each of the
+        samples, of which some are held out in several folds: mean(e) <= sqrt(sum(s²)) / m.
         """
         excess = self.squares - best.squares
         weights = np.ones(len(excess)) if self.weights is None else self.weights
         mean = np.average(excess, weights=weights)
-        variance = np.average((excess - mean) ** 2, weights=weights)
-        return bool(mean <= np.sqrt(variance / len(excess)))
+        off = weights * (excess - mean)
+        sums = off if self.held_out is None else np.bincount(self.held_out, weights=off)
+        return bool(mean <= np.sqrt((sums**2).sum()) / weights.sum())
 
 
 @dataclass(frozen=True, eq=False)
@@ -275,11 +280,9 @@ class CrossValidator:
             residuals = np.concatenate([self._residuals(maker, fold) for fold in folds])
         except NO_FIELD as error:
             return ModelScore(model, None, None, str(error))
-        if self.variances is None:
-            return ModelScore(model, maker, residuals)
         held_out = np.concatenate([fold.held_out for fold in folds])
-        weights = _certainty(self.variances)[held_out]
-        return ModelScore(model, maker, residuals, weights=weights)
+        weights = None if self.variances is None else _certainty(self.variances)[held_out]
+        return ModelScore(model, maker, residuals, weights=weights, held_out=held_out)
 
     def _on_all_folds(self, score: ModelScore) -> ModelScore:
         assert score.maker is not None, "only models with a field are compared on all folds"

@@ -51,9 +51,9 @@ def test_the_selected_method_fits_the_kind_of_data():
 @pytest.mark.slow
 def test_the_selected_method_fits_the_kind_of_data_for_many_samples(monkeypatch):
     """The statement for few samples holds with samples in windows, too."""
-    monkeypatch.setattr(module, "MANY", 10_000)
-    monkeypatch.setattr(module, "WINDOW", 600)
-    points = clustered(20_000, 2, 30, 0.1, seed=0)
+    monkeypatch.setattr(module, "MANY", 5_000)
+    monkeypatch.setattr(module, "WINDOW", 400)
+    points = clustered(10_000, 2, 30, 0.1, seed=0)
     noise = np.random.default_rng(1).standard_normal(len(points))
     assert winner(points, points @ [2.0, 3.0] + noise).family == "LS"
     assert winner(points, franke(points)).name == "pu"
@@ -307,6 +307,15 @@ def test_errors_are_level_up_to_one_standard_error_of_their_difference():
     for part, level in ((-0.9, True), (0.9, True), (1.1, False)):
         other = score_of("linear", np.sqrt(10 + differences - 1 + 0.1 * part))
         assert other.is_level_with(best) is level
+
+
+def test_a_sample_that_is_held_out_in_several_folds_does_not_reduce_the_standard_error():
+    """Three times the same residuals are judged as once, if the samples are known."""
+    once = np.sqrt(10 + np.tile([0.0, 2.0], 50) - 1 + 0.09)
+    best, other = np.full(300, np.sqrt(10.0)), np.tile(once, 3)
+    for samples, level in ((np.tile(np.arange(100), 3), True), (np.arange(300), False)):
+        scores = [ModelScore(MODELS["tps"], None, r, held_out=samples) for r in (best, other)]
+        assert scores[1].is_level_with(scores[0]) is level
 
 
 def test_of_models_with_level_errors_the_most_cautious_is_chosen():
