@@ -14,6 +14,8 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -60,16 +62,12 @@ def callers() -> tuple[dict[str, str], dict[str, str]]:
 
 
 def check(arguments: argparse.Namespace) -> int:
-    """Build in two new folders, in different environments, and compare all bytes."""
+    """Build in two new folders at the same time, in different environments; compare all bytes."""
     with tempfile.TemporaryDirectory() as first, tempfile.TemporaryDirectory() as second:
-        built = [
-            _build(
-                arguments, Path(place, "folder " * depth, "report"), surroundings, jobs=depth + 1
-            )
-            for depth, (place, surroundings) in enumerate(
-                zip((first, second), callers(), strict=True)
-            )
-        ]
+        places = Path(first, "report"), Path(second, "folder ", "report")
+        with ThreadPoolExecutor() as both:
+            messages = None, subprocess.PIPE
+            built = [*both.map(partial(_build, arguments), places, callers(), (1, 2), messages)]
         differences = different(*built)
         count = len(_outputs(built[0]))
     for name in differences:
@@ -160,15 +158,26 @@ def _decades(x: float, y: float) -> float:
 
 
 def _build(
-    arguments: argparse.Namespace, place: Path, surroundings: Mapping[str, str], jobs: int
+    arguments: argparse.Namespace,
+    place: Path,
+    surroundings: Mapping[str, str],
+    jobs: int,
+    messages: int | None,
 ) -> Path:
-    """Build a copy of the text in a separate folder and process."""
+    """Build a copy of the text in a separate folder and process.
+
+    With `messages` = PIPE its messages are printed only if it fails.
+    """
     shutil.copytree(arguments.source, place, ignore=shutil.ignore_patterns("build"))
     command = [sys.executable, "-m", "fieldreport", f"--jobs={jobs}"]
     if arguments.experiments:
         command += ["--experiments", str(arguments.experiments.resolve())]
-    run = subprocess.run(command, cwd=place.parent, env={**os.environ, **surroundings}, check=False)
+    environment = {**os.environ, **surroundings}
+    run = subprocess.run(
+        command, cwd=place.parent, env=environment, stderr=messages, text=True, check=False
+    )
     if run.returncode:
+        sys.stderr.write(run.stderr or "")
         raise BuildError("one of the two builds to be compared failed")
     return place / "build"
 
