@@ -177,8 +177,8 @@ def test_the_gradient_of_a_function_positive_inside_points_inwards():
 def test_the_nearest_point_can_give_the_wrong_side():
     """p. 4: a point outside a wedge can lie behind the tangent plane of its nearest sample.
 
-    This happens near a sparsely sampled edge. The sampling must be dense. The ray x - x_j must be
-    used, because a line has no sign.
+    This happens near a sparsely sampled edge, and at an edge below 90° for dense samples, too. The
+    ray x - x_j must be used, because a line has no sign.
     """
     # the wedge x < 0 and y < x, whose faces are sampled one unit away from the edge
     points = {(F(0), F(-1)): (F(1), F(0)), (F(-1), F(-1)): (F(-1), F(1))}
@@ -191,6 +191,15 @@ def test_the_nearest_point_can_give_the_wrong_side():
     ray = [y[0] - nearest[0], y[1] - nearest[1]]
     assert min(points, key=lambda p: (p[0] - y[0]) ** 2 + (p[1] - y[1]) ** 2) == nearest
     assert dot(ray, points[nearest]) < 0  # "inside"
+    far = (F(-1), F(3))
+    for step in (F(1, 10), F(1, 100), F(1, 10000)):
+        places = [k * step for k in range(5)]
+        upright = [(F(0), -step / 10 - k) for k in places]
+        oblique = [(-step * 9 / 10 - k, -step * 9 / 10 - k) for k in places]
+        samples = [*upright, *oblique]
+        nearest = min(samples, key=lambda p: (p[0] - far[0]) ** 2 + (p[1] - far[1]) ** 2)
+        assert nearest == upright[0]
+        assert far[0] - nearest[0] < 0  # "inside", by the normal (1, 0)
 
 
 def test_off_surface_points_may_lie_beyond_the_opposite_sheet():

@@ -143,7 +143,8 @@ def test_noise_affects_defect_and_velocity_as_predicted(found):
     """The defect has the standard deviation of the noise; the pseudo-inverse gives the other."""
     for d in (2, 3):
         assert found.facts[f"defect_over_noise_{d}d"] == pytest.approx(1, abs=0.15)
-        assert found.facts[f"disturbance_off_percent_{d}d"] < 5
+        predicted, drawn = (found.facts[f"{name}_gain_{d}d"] for name in ("disturbance", "drawn"))
+        assert drawn == pytest.approx(predicted, rel=0.05)
 
 
 @pytest.mark.parametrize(("u", "d"), [(taylor_green, 2), (abc_flow, 3)])

@@ -62,7 +62,7 @@ class Params(Parameters):
     """Meshes, a triangle, and the perturbation of the normal velocities."""
 
     sides: tuple[int, ...] = parameter(
-        (8, 16, 32, 64),
+        (8, 16, 32, 64, 128),
         "steps along a side of the unit square",
         least=2,
         fewest=2,
@@ -262,12 +262,14 @@ def _facts(
         ),
     }
     for d, (change, predicted, defect) in zip((2, 3), disturbed, strict=True):
+        inner = curves[d][:, PLACES.index("inner vertices")]
         facts |= {
             f"order_{d}d": order(steps[d], curves[d][:, 0]),
-            f"order_inner_{d}d": order(steps[d], curves[d][:, PLACES.index("inner vertices")]),
-            f"gain_inner_{d}d": curves[d][-1, 0] / curves[d][-1, PLACES.index("inner vertices")],
-            f"disturbance_gain_{d}d": change / params.disturbance,
-            f"disturbance_off_percent_{d}d": 100 * abs(change / predicted - 1),
+            f"first_order_inner_{d}d": order(steps[d][:2], inner[:2]),
+            f"last_order_inner_{d}d": order(steps[d][-2:], inner[-2:]),
+            f"gain_inner_{d}d": curves[d][-1, 0] / inner[-1],
+            f"disturbance_gain_{d}d": predicted / params.disturbance,
+            f"drawn_gain_{d}d": change / params.disturbance,
             f"defect_over_noise_{d}d": defect,
         }
     return facts
