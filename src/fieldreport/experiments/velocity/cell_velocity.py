@@ -403,10 +403,9 @@ def plot_orders(result: Result) -> Figure:
             for error, (label, look) in zip(errors.T, looks.items(), strict=True):
                 panel.plot(h, error, **look | {"label": label})
             reach = h[[0, -1]]
-            panel.plot(reach, 0.6 * errors[-1].min() * reach / h[-1], **line("truth", label=None))
-            panel.annotate(
-                "$h$", (h[-1], 0.6 * errors[-1].min()), (4, -6), textcoords="offset points"
-            )
+            slope = 0.6 * errors[-1].min() * reach / h[-1]
+            panel.plot(reach, slope, **line("truth", label=None))
+            panel.annotate("$h$", (h[0], slope[0]), (-8, -10), textcoords="offset points")
             panel.set(xscale="log", yscale="log", xlabel="step $h$")
             panel.set_title("vortices in the plane" if d == 2 else "ABC flow in space")
             panel.set_xticks(h, [f"1/{side}" for side in sides], minor=False)
