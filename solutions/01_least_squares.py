@@ -132,7 +132,7 @@ print(nearest_values(three_points, three_values, np.array([[0.2], [0.7], [9.0]])
 # %% [markdown]
 # ### 01.1 The design matrix
 #
-# *5 minutes.* Write $\mathbf{B}$ of (1.2) for points given as an array of shape $(N, D)$.
+# Write $\mathbf{B}$ of (1.2) for points given as an array of shape $(N, D)$.
 
 
 # %% question="01.1" minutes=15
@@ -184,7 +184,7 @@ print("residual:", three_b @ three_c - three_values)
 # %% [markdown]
 # ### 01.2 The coefficients
 #
-# *10 minutes.* Write a function that returns the coefficients $\mathbf{c}$ of the best fit.
+# Write a function that returns the coefficients $\mathbf{c}$ of the best fit.
 #
 # <details><summary>Hint</summary>
 #
@@ -209,7 +209,7 @@ check("01.2")
 # %% [markdown]
 # ### 01.3 The field
 #
-# *5 minutes.* Evaluate the field (1.1) at many evaluation points at once.
+# Evaluate the field (1.1) at many evaluation points at once.
 
 
 # %% question="01.3" minutes=5
@@ -251,8 +251,8 @@ def plane_and_points(n):
 
 # %% [markdown]
 # **What to look at.** For $n = 1$ the field is affine, and the plane passes through every point.
-# For larger $n$ the plane is too low at the corners and too high in the middle, since it cannot
-# bend. More points do not reduce this error, which is called the *bias* of the model.
+# For larger $n$ the plane is too low at both ends of the diagonal and too high in its middle, since
+# it cannot bend. More points do not reduce this error, which is called the *bias* of the model.
 #
 # ## When is the solution unique?
 #
@@ -267,8 +267,9 @@ def plane_and_points(n):
 #
 # ### 01.4 The rank
 #
-# *20 minutes.* Write a function that returns the rank of $\mathbf{B}$. The rank must depend neither
-# on the distance of the points from the origin nor on the unit of length.
+# Write a function that returns the rank of $\mathbf{B}$. At least two of the points are different.
+# The rank must depend neither on the distance of the points from the origin nor on the unit of
+# length.
 #
 # Rounding errors turn zero singular values into small ones. Count a singular value as zero if it is
 # at most $10^{-9}$ times the extent of the points. The extent is the largest difference between two
@@ -293,7 +294,7 @@ def plane_and_points(n):
 
 # %% question="01.4" minutes=15
 def rank(points):
-    """Return the rank of B for points of shape (N, D), a whole number from 1 to D + 1."""
+    """Return the rank of B for points of shape (N, D), a whole number from 2 to D + 1."""
     # BEGIN SOLUTION
     centered = points - points.mean(axis=0)
     return 1 + np.linalg.matrix_rank(centered, tol=1e-9 * np.ptp(points, axis=0).max())
@@ -348,7 +349,7 @@ def strip(width):
 #
 # ### 01.5 The gradient
 #
-# *5 minutes.* Differentiate (1.1) on paper. Then return the gradient of $f$ at many evaluation
+# Differentiate (1.1) on paper. Then return the gradient of $f$ at many evaluation
 # points.
 
 
@@ -366,7 +367,7 @@ check("01.5")
 # %% [markdown]
 # ### 01.6 The objective
 #
-# *5 minutes.* Write the *objective* $\psi$ of (1.3), for any coefficients. In the example by hand
+# Write the *objective* $\psi$ of (1.3), for any coefficients. In the example by hand
 # it is $\psi(\tfrac12, \tfrac52) = \tfrac12 (\tfrac14 + 1 + \tfrac14) = \tfrac34$.
 
 

@@ -1039,7 +1039,8 @@ def landscape_errors(number, noise):
 #
 # **02.10** Why does the minimum of $\psi$ over $\mathbf{c}$ select the largest $\varepsilon$ for
 # all data, while leave-one-out cross-validation selects an $\varepsilon$ close to the best one?
-# Consider data with noise and without.
+# Consider data with noise and without. (If an affine field fits the data exactly, $\psi$ is zero
+# for every $\varepsilon$.)
 #
 # <details><summary>Hint</summary>
 #

@@ -105,8 +105,8 @@ print(distances(np.array([[0.0, 0.0], [3.0, 4.0]]), np.array([[0.0, 0.0], [3.0, 
 # ## The kernel
 #
 # A thin elastic plate that is pressed onto supports of given heights passes through all of them.
-# Since it resists bending, it does not oscillate between the supports. Far from the supports it
-# approaches an affine function. For a plate over the plane, the shape around a single support is
+# Since it resists bending, it does not oscillate between the supports. Far from the supports
+# its bending fades. For a plate over the plane, the shape around a single support is
 # the *thin-plate spline*
 #
 # $$ w(\mathbf{y}) = \lVert\mathbf{y}\rVert^2 \log \lVert\mathbf{y}\rVert^2 ,
@@ -229,7 +229,7 @@ print("Bᵀλ:", three_b.T @ three_lambda)
 # %% [markdown]
 # ### 03.2 The matrix
 #
-# Write $\mathbf{H}_{\mathrm{RBF}}$. How many rows does it have?
+# Write $\mathbf{H}_{\mathrm{RBF}}$. How many rows does it have? Some points may be equal.
 #
 # <details><summary>Hint</summary>
 #
@@ -429,8 +429,8 @@ def far_away(reach):
 # how many negative, and how many zero. These three numbers are called the *inertia* of the matrix.
 #
 # A computed eigenvalue is rarely exactly zero. Count it as zero if its absolute value is less than
-# $10^{-12}$ times the largest absolute value. Rounding errors are relative to the largest
-# eigenvalue, for every unit of length.
+# $10^{-12}$ times the largest absolute value: rounding errors are relative to the largest
+# eigenvalue.
 #
 # <details><summary>Hint</summary>
 #

@@ -428,6 +428,7 @@ def rotating(one, together):
 # Write a function that returns whether (4.5) holds. There are infinitely many directions. For which
 # of them is (4.5) stronger than the condition that not all points are on one line?
 # Count a product $\mathbf{n}_i^T\mathbf{m}$ of unit vectors as zero if it is below $10^{-9}$.
+# Several samples may share a point.
 #
 # <details><summary>Hint</summary>
 #
@@ -533,8 +534,7 @@ check("04.6")
 # As in 04.2 the rank must depend neither on the origin nor on the unit of length. Scale the
 # vertices to size one before you form the squares, and count singular values below $10^{-9}$ as
 # zero. The number of vertices is arbitrary. They may be on a line, but never on one parallel to an
-# axis. So you may divide both coordinates by the same number, or each coordinate or column by its
-# own.
+# axis. So you may divide both coordinates by the same number, or each coordinate by its own.
 
 
 # %% question="04.7" minutes=15

@@ -412,7 +412,8 @@ def truth_and_data(seed):
 #
 # ### 05.6 The ring
 #
-# Write a function that returns, for each edge, whether it belongs to the ring.
+# Write a function that returns, for each edge, whether it belongs to the ring. As in 05.1, the
+# triangles may be a part of a mesh.
 #
 # <details><summary>Hint: from a vertex to triangles</summary>
 #
@@ -532,7 +533,8 @@ check("05.7")
 #    w_a = \frac{1}{\lVert \mathbf{p}_a - \mathbf{x}_i \rVert^2 + \varepsilon^2}. \tag{5.7} $$
 #
 # We take the coefficients with the smallest residual $\lVert \mathbf{W}\mathbf{B}'\mathbf{c} -
-# \mathbf{W}\mathbf{V}' \rVert$. With equal weights this is plain least squares.
+# \mathbf{W}\mathbf{V}' \rVert$; if several have it, those of least norm. With equal weights this is
+# plain least squares.
 #
 # ### 05.8 The velocity at a vertex
 #
@@ -630,7 +632,7 @@ def reconstruction(rings, epsilon, seed):
 # %% [markdown]
 # ## The rank at each vertex
 #
-# The velocity is determined only if no two fields give the same data. If $\mathbf{B}'$ has rank
+# The field is determined only if no other field gives the same data. If $\mathbf{B}'$ has rank
 # six, all of $\mathbf{c}$ is determined. If the rank is lower, there is a $\mathbf{c} \neq
 # \mathbf{0}$ with
 #

@@ -210,7 +210,7 @@ check("06.1")
 # ### 06.2 The velocity of a cell
 #
 # Write a function that returns the least-squares solution (6.2). The triangle may have any size,
-# and may be flat.
+# and may be nearly flat.
 #
 # <details><summary>Hint</summary>
 #

@@ -26,7 +26,7 @@
 # and remove the division by zero on the edges of the cell.
 #
 # **Sources**: the lecture slides "Field Reconstruction" by K. Erleben, pages 27–36 and the exercise
-# on page 46; J. Warren, S. Schaefer, A. Hirani and M. Desbrun, *Barycentric coordinates for convex
+# on page 45; J. Warren, S. Schaefer, A. Hirani and M. Desbrun, *Barycentric coordinates for convex
 # sets* (2007). **To search for**: generalized barycentric coordinates, Wachspress coordinates (the
 # coordinates of this notebook, for any convex polygon), Delaunay triangulation and the
 # Bowyer–Watson algorithm, circumcentric dual. Two other kinds of coordinates are easily confused
@@ -243,8 +243,8 @@ def two_duals(distance):
 #    {\mathbf{n}_j^T(\mathbf{p}_a - \mathbf{x}) \;\; \mathbf{n}_k^T(\mathbf{p}_a - \mathbf{x})} .
 #    \tag{7.3} $$
 #
-# Each factor of the denominator is the distance from $\mathbf{x}$ to an edge. So the weight of a
-# corner is large near its two edges and small elsewhere.
+# Each factor of the denominator is the distance from $\mathbf{x}$ to the line through an edge,
+# negative outside. So inside the polygon the weight of a corner is large near its two edges.
 #
 # In a Voronoi cell the mesh replaces the polygon. The edges of the cell are perpendicular to the
 # edges of the mesh, so the normals are $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$ with
@@ -365,8 +365,9 @@ check("07.4")
 #
 # Write a function that returns the coordinates (7.6) of many points. They must sum to 1 for every
 # point, and $\sum_a \omega_a(\mathbf{x})\, \mathbf{p}_a = \mathbf{x}$ must hold. The first
-# requirement is called *partition of unity* and the second one *linear precision*. The check tests
-# both, for cells of any size, and for points inside and outside.
+# requirement is called *partition of unity* and the second one *linear precision*. Other
+# coordinates satisfy them, too, but here those of (7.6) are required, for cells of any size, and
+# for points inside and outside.
 
 
 # %% question="07.5" minutes=10
@@ -585,8 +586,8 @@ def under_the_pointer(x):
 # ### 07.8 Coordinates without division
 #
 # Write a function that returns the coordinates (7.10) of many points. They must be accurate inside
-# the cell, on its edges, in its corners and outside, and for cells of any size, such as $10^{-9}$.
-# The circumcentres are not arguments, since (7.10) does not need them.
+# the cell, on its edges, in its corners and outside, for cells of any size, such as $10^{-9}$, and
+# far from the origin. The circumcentres are not arguments, since (7.10) does not need them.
 #
 # <details><summary>Hint</summary>
 #

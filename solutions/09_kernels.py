@@ -238,7 +238,7 @@ check("09.1")
 #
 # Write a function that returns (9.6) for any symmetric $\mathbf{A}$ and any $\mathbf{P}$. There are
 # two special cases: $\mathbf{P}$ may have no columns, and its columns may be linearly dependent.
-# Singular values of $\mathbf{P}$ below $10^{-10}$ times the largest one count as zero.
+# Singular values of $\mathbf{P}$ of at most $10^{-10}$ times the largest one count as zero.
 #
 # <details><summary>Hint</summary>
 #
@@ -330,8 +330,9 @@ def both_sides(k):
 # The number does not depend on the origin of the coordinates or on the unit of length, but the
 # rounding errors do. In a small box $x_1^2$ is tiny compared to the monomial 1. Far from the origin
 # the columns of $\mathbf{P}$ are nearly multiples of each other. So first shift the points to the
-# mean zero, and divide them by their size, such as the largest coordinate. Then count the singular
-# values of $\mathbf{P}$ below $10^{-10}$ times the largest one as zero.
+# mean zero, and divide them by their size, such as the largest coordinate. Then treat
+# singular values of $\mathbf{P}$ below $10^{-10}$ times the largest one as zero. There may be fewer
+# of them than columns.
 #
 # <details><summary>Hint</summary>
 #
@@ -405,8 +406,9 @@ def six_points(out):
 # ### 09.4 The interpolating field
 #
 # Write a function that solves (9.3) and evaluates (9.2) at the points $\mathbf{x}$. The power $k$
-# and the degree $n$ are arguments. For $n = -1$ there is no polynomial. `saddle_point_matrix`
-# combines the two blocks of the matrix; you state the blocks and the right side.
+# and the degree $n$ are arguments. For $n = -1$ there is no polynomial. The degree may also be
+# lower than the order requires. `saddle_point_matrix` combines the two blocks of the matrix; you
+# state the blocks and the right side.
 #
 # <details><summary>Hint</summary>
 #

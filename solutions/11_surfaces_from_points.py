@@ -130,8 +130,9 @@ def problem(points):
 # ## Normals by principal component analysis
 #
 # Near a point, a smooth curve looks like a straight line and a smooth surface like a plane. So we
-# fit a line or plane to the neighbours of each point. Let $N(i)$ be the $K$ points nearest to
-# $\mathbf{p}_i$, including $\mathbf{p}_i$ itself. Their mean and their *covariance matrix* are
+# fit a line or plane to the neighbours of each point. No two points of a cloud are equal. Let
+# $N(i)$ be the $K$ points nearest to $\mathbf{p}_i$, including $\mathbf{p}_i$ itself. Their mean
+# and their *covariance matrix* are
 #
 # $$ \mathbf{m}_i = \frac1K \sum_{j \in N(i)} \mathbf{p}_j , \qquad
 #    \mathbf{C}_i = \frac1K \sum_{j \in N(i)} (\mathbf{p}_j - \mathbf{m}_i)(\mathbf{p}_j -
@@ -249,6 +250,8 @@ def estimated(k, noise):
 #    $$
 #
 # ### 11.2 Neighbourhood graph
+#
+# Return $g$. The cloud may be small, and it may be far from the origin.
 
 
 # %% question="11.2" minutes=15
@@ -277,8 +280,8 @@ check("11.2")
 # which does not depend on the signs. We choose the links that connect all points at the smallest
 # total cost: the *minimum spanning tree*. A sign is passed along a link of the tree as follows: if
 # $\mathbf{n}_i^T \mathbf{n}_j < 0$, where $\mathbf{n}_i$ is already oriented, then $\mathbf{n}_j$
-# is inverted. Hoppe and others published the method (*Surface reconstruction from unorganized
-# points*, SIGGRAPH 1992).
+# is inverted, otherwise it is kept. Hoppe and others published the method (*Surface reconstruction
+# from unorganized points*, SIGGRAPH 1992).
 #
 # **Prim's algorithm** grows the tree from one point. In each step it takes the cheapest of all
 # links from a point in the tree to a point outside the tree. The first point is the *highest* one,
@@ -343,6 +346,8 @@ def spanning_tree():
 # ### 11.3 Orientation
 #
 # The normals are given, and the links as an array of ones and zeros. Return the oriented normals.
+# Each component has a single highest point. Where several links are equally cheap, all lead to the
+# same normals.
 #
 # <details><summary>Hint 1</summary>
 #
@@ -616,8 +621,9 @@ check("11.7")
 #
 # ### 11.8 Pieces of the zero level
 #
-# Each row of `values` belongs to one square. Exactly two sides of it are crossed, and no value is
-# zero. Return the start and the end of each piece.
+# Each row of `values` belongs to one square. Exactly two sides of it are crossed. No value is zero,
+# but values may be tiny, such as the $-10^{-300}$ in the cell after the check. Return the start and
+# the end of each piece.
 #
 # <details><summary>Hint</summary>
 #
@@ -700,7 +706,7 @@ def marching(squares):
 #
 # ## The complete method in the plane
 #
-# From a noisy cloud to the body, by your eight functions. The thin arrows are $-\nabla F$.
+# From a noisy cloud to the body, by your functions. The thin arrows are $-\nabla F$.
 
 
 # %%
@@ -795,7 +801,7 @@ def asteroid(height):
 # %% [markdown]
 # **What to look at.** Move the height. The two lobes separate where the neck ends. $F$ is close to
 # the signed distance near the surface, since the off-surface values are distances. Which lines of
-# your eight functions would be different in the plane?
+# your functions would be different in the plane?
 
 # %% [markdown]
 # ## Questions in words

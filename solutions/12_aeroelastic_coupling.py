@@ -207,7 +207,7 @@ check("12.1")
 # %% [markdown]
 # ## Conservative load transfer
 #
-# Let $\mathbf{f}_i \in \mathbb{R}^3$ be the force at the point $\mathbf{y}_i$ of the skin, in
+# Let $\mathbf{f}_i \in \mathbb{R}^D$ be the force at the point $\mathbf{y}_i$ of the skin, in
 # newton (not a force per area). If the nodes move by $\mathbf{u}_j$, the points of the skin move
 # by $(\mathbf{H}\mathbf{u})_i$, and the forces do the work $\sum_i (\mathbf{H}\mathbf{u})_i^T
 # \mathbf{f}_i$. We require loads $\mathbf{g}_j$ on the structure that do the same *virtual work*:
@@ -649,7 +649,7 @@ def pulled_along(height):
 #
 # **Example.** One unknown, $K = 2$, $H = 1$, $f_0 = 1$, $A = 1$ and $\omega = 1$. Then $u^{n+1} =
 # (1 + u^n)/2$, and the iterates are $0, \frac12, \frac34, \frac78, \dots$ They converge to $u =
-# 1$, where $2u = 1 + u$.
+# 1$, where $2u = 1 + u$. If (12.8) has no solution, the iterates exist all the same.
 #
 # ### 12.10 The iterates
 

@@ -322,10 +322,10 @@ def edges_in_colour():
 #
 # $$ \chi = V - E + F \tag{14.2} $$
 #
-# does not change when triangles are subdivided. A closed, orientable, connected surface with $g$
-# handles has $\chi = 2 - 2g$: 2 for a sphere, 0 for a torus. Each hole that is cut into the
-# surface reduces $\chi$ by 1. The characteristics of several components add up. For the square of
-# the example $\chi = 4 - 5 + 2 = 1$: a sphere with one hole.
+# does not change when an edge is split together with its triangles. A closed, orientable, connected
+# surface with $g$ handles has $\chi = 2 - 2g$: 2 for a sphere, 0 for a torus. Each hole that is
+# cut into the surface reduces $\chi$ by 1. The characteristics of several components add up. For
+# the square of the example $\chi = 4 - 5 + 2 = 1$: a sphere with one hole.
 #
 # ### 14.3 Euler characteristic
 #
@@ -402,17 +402,18 @@ def welding(exponent):
 #
 # ## Boundary loops
 #
-# Connected boundary edges form a *boundary loop*, the boundary of one hole. We name a loop by its
-# smallest vertex. The function `connected(n, links)`, above, is written for you: it finds the
-# connected components of $n$ objects that are linked in pairs, and returns for each object the
-# smallest one in its component.
+# Connected boundary edges form a *boundary loop*, on a manifold the boundary of one hole. We name a
+# loop by its smallest vertex. The function `connected(n, links)`, above, is written for you: it
+# finds the connected components of $n$ objects that are linked in pairs, and returns for each
+# object the smallest one in its component.
 #
 # ### 14.4 Boundary loops
 #
 # Return for each of $n$ vertices the name of its loop, and $-1$ if the vertex is on no loop. For
 # the square of the example, with $n = 5$, the result is $0, 0, 0, 0, -1$. No two loops touch. Some
 # triangles may be inverted, so the boundary sides need not run the same way round. Some edges may
-# be non-manifold; they do not belong to the boundary.
+# be non-manifold; they do not belong to the boundary. A triangle that is listed twice counts twice,
+# as in 14.2.
 
 
 # %% question="14.4" minutes=10

@@ -67,8 +67,8 @@ def by_loops(points):
     h = np.zeros((n + d + 1, n + d + 1))
     for i in range(n):
         for j in range(n):
-            if i != j:
-                s = sum((points[i] - points[j]) ** 2)
+            s = sum((points[i] - points[j]) ** 2)
+            if s > 0:
                 h[i, j] = s * np.log(s)
         h[i, n] = h[n, i] = 1
         for k in range(d):

@@ -255,13 +255,6 @@ def six_less_the_conics(vertices):
     return 6 - int(np.sum(s < 1e-9))
 
 
-@answers("04.7")
-def with_columns_of_length_one(vertices):
-    x, y = (vertices - vertices.mean(axis=0)).T
-    b = np.column_stack([np.ones(len(x)), x, y, x * x, x * y, y * y])
-    return np.linalg.matrix_rank(b / np.linalg.norm(b, axis=0), tol=1e-9)
-
-
 @answers("04.6")
 def as_one_array(center, ring):
     ends = [(center, r) for r in ring] + [(ring[i - 1], ring[i]) for i in [*range(1, len(ring)), 0]]

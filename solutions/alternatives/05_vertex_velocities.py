@@ -213,12 +213,18 @@ def matrix(p, n, x):
 @answers("05.8")
 def by_normal_equations(midpoints, normals, v, x, w):
     b = matrix(midpoints, normals, x)
+    if len(b) < 6:
+        return (b.T @ np.linalg.solve(b @ b.T, v))[:2]
     return np.linalg.solve(b.T @ (w[:, None] ** 2 * b), b.T @ (w**2 * v))[:2]
 
 
 @answers("05.8")
 def by_qr(midpoints, normals, v, x, w):
-    q, r = np.linalg.qr(np.diag(w) @ matrix(midpoints, normals, x))
+    b = np.diag(w) @ matrix(midpoints, normals, x)
+    if len(b) < 6:
+        q, r = np.linalg.qr(b.T)
+        return q[:2] @ np.linalg.solve(r.T, w * v)
+    q, r = np.linalg.qr(b)
     return np.linalg.solve(r, q.T @ (w * v))[0:2]
 
 
@@ -229,9 +235,12 @@ def by_pseudo_inverse(midpoints, normals, v, x, w):
 
 
 @answers("05.8")
-def evaluated_at_the_vertex(midpoints, normals, v, x, w):
-    c = np.linalg.lstsq(w[:, None] * matrix(midpoints, normals, 0 * x), w * v)[0]
-    return c[:2] + x[0] * c[2:4] + x[1] * c[4:]
+def term_by_term(midpoints, normals, v, x, w):
+    left, sizes, right = np.linalg.svd(w[:, None] * matrix(midpoints, normals, x))
+    c = np.zeros(6)
+    for k, size in enumerate(sizes):
+        c += (left[:, k] @ (w * v)) / size * right[k]
+    return c[:2]
 
 
 # 05.9 ranks

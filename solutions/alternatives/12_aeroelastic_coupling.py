@@ -245,10 +245,11 @@ def by_residuals(K, H, f0, A, omega, steps):
 
 
 @answers("12.10")
-def from_the_steady_state(K, H, f0, A, omega, steps):
-    final = np.linalg.solve(K - H.T @ A @ H, H.T @ f0)
+def as_sums_of_powers(K, H, f0, A, omega, steps):
+    first = omega * np.linalg.solve(K, H.T @ f0)
     factor = (1 - omega) * np.eye(len(K)) + omega * np.linalg.solve(K, H.T @ A @ H)
-    return np.array([final - np.linalg.matrix_power(factor, n) @ final for n in range(steps + 1)])
+    added = [np.linalg.matrix_power(factor, n) @ first for n in range(steps)]
+    return np.cumsum([np.zeros(len(K)), *added], axis=0)
 
 
 # 12.11

@@ -1,6 +1,7 @@
 """Right answers to notebook 14, written in other ways."""
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from fieldgrade.authoring.catalogue import answers
 
@@ -149,15 +150,15 @@ def by_union_find(n, triangles):
 
 
 @answers("14.4")
-def by_powers_of_a_matrix(n, triangles):
+def by_components_of_a_graph(n, triangles):
     step = np.zeros((n, n))
     for t, counts in zip(triangles, np.reshape(by_dictionary(triangles), (-1, 3))):
         for (a, b), k in zip(edges_of(t), counts):
             if k == 1:
                 step[[a, b, a, b], [b, a, a, b]] = 1
-    for _ in range(8):
-        step = (step @ step > 0).astype(float)
-    return np.where(step.any(axis=1), np.argmax(step, axis=1), -1)
+    _, part = connected_components(step)
+    least = np.array([np.argmax(part == k) for k in part])
+    return np.where(step.any(axis=1), least, -1)
 
 
 # 14.5 Fans
@@ -249,26 +250,25 @@ def by_a_walk(points, triangles):
 
 
 @answers("14.6")
-def by_eigenvectors(points, triangles):
+def by_a_linear_system(points, triangles):
     m = len(triangles)
-    runs = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2)
+    there = triangles + 1j * np.roll(triangles, -1, axis=1)
+    back = 1j * there.conj()
     alike = np.zeros((m, m))
     for k in range(3):
         for j in range(3):
-            one, other = runs[:, k], runs[:, j]
-            alike += (one[:, None] == other[None, :, ::-1]).all(axis=2)
-            alike -= (one[:, None] == other[None]).all(axis=2)
+            alike += there[:, [k]] == back[:, j]
+            alike -= there[:, [k]] == there[:, j]
     np.fill_diagonal(alike, 0)
-    reach = (np.eye(m) + abs(alike)) > 0
-    for _ in range(8):
-        reach = (reach.astype(float) @ reach) > 0
+    count, label = connected_components(alike)
     sign = np.zeros(m)
-    for first in np.unique(np.argmax(reach, axis=1)):
-        part = np.flatnonzero(reach[first])
+    for k in range(count):
+        part = np.flatnonzero(label == k)
         own = alike[np.ix_(part, part)]
-        size, vector = np.linalg.eigh(np.diag(abs(own).sum(axis=1)) - own)
-        if size[0] < 1e-9:
-            sign[part] = np.sign(vector[:, 0] * vector[0, 0])
+        laplace = np.diag(abs(own).sum(axis=1)) - own
+        x = np.append(1, np.linalg.solve(laplace[1:, 1:], -laplace[1:, 0]))
+        if np.allclose(laplace @ x, 0, atol=1e-6):
+            sign[part] = np.round(x)
     return sign
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q02_moving_least_squares import measured_twice
+from fieldcheck.questions.q02_prediction_errors import measured_twice
 from fieldgrade.authoring.hidden_cases import hidden
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q03_radial_basis_functions import cloud
+from fieldcheck.questions.q03_radial_basis_functions import at_distance_one, cloud
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -31,6 +31,12 @@ def on_the_line(seed):
             "coefficients", (cloud(random, 9, 1), random.normal(size=9)), "nine points on the line"
         ),
         Call("coefficients", (cloud(random, 40, 2), random.normal(size=40)), "forty points"),
+        Call(
+            "coefficients",
+            (at_distance_one(random, 3), random.normal(size=7)),
+            "a point of space and its neighbours at distance one",
+            exact=(0,),
+        ),
     )
 
 

@@ -22,6 +22,11 @@ def in_four_dimensions(seed):
             (random.normal(size=(1, 2)), random.normal(size=(1, 2))),
             "one sample",
         ),
+        Call(
+            "velocity_matrix",
+            (random.normal(size=(2, 5)), random.normal(size=(2, 5))),
+            "five dimensions",
+        ),
     )
 
 

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.linalg import qr
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q05_vertex_velocities import mesh, part_of_a_mesh
+from fieldcheck.questions.q05_edges import mesh, part_of_a_mesh
 from fieldgrade.authoring.hidden_cases import hidden
 
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from fieldcheck.calls import Call
+from fieldcheck.calls import Call, integers
 from fieldcheck.questions.q07_voronoi_coordinates import mirror_images, octagon
 from fieldcheck.questions.q08_weights_in_3d import (
+    cuboid,
     point_outside,
     points_inside,
     points_outside,
@@ -40,7 +41,7 @@ def nearly_in_one_plane(seed):
     return tuple(calls)
 
 
-@hidden("08.7", "It must hold for few neighbours and for many, and in every unit.")
+@hidden("08.7", "It must hold for few neighbours and many, in every unit, and for whole numbers.")
 def few_and_many(seed):
     random = np.random.default_rng(seed + 2)
     calls = []
@@ -53,10 +54,17 @@ def few_and_many(seed):
         calls.append(Call("weights", (center, neighbors, cells, corners, x), case))
     center, neighbors, cells, corners, x = calls[0].arguments
     small = (2.0**-24 * center, 2.0**-24 * neighbors, cells, 2.0**-24 * corners, 2.0**-24 * x)
-    return (*calls, Call("weights", small, "a small cell"))
+    middle, half = random.integers(-9, 10, 3), random.integers(3, 9, 3)
+    x = middle + random.integers(-2, 3, 3)
+    whole = (middle.astype(float), *cuboid(middle, half), x)
+    return (
+        *calls,
+        Call("weights", small, "a small cell"),
+        Call("weights", whole, "a cuboid in whole numbers"),
+    )
 
 
-@hidden("08.8", "There may be one point only, and points outside.")
+@hidden("08.8", "There may be one point only, points outside, small cells, and whole numbers.")
 def one_place(seed):
     random = np.random.default_rng(seed + 3)
     center, neighbors, _, corners = star(random, 5)
@@ -64,10 +72,18 @@ def one_place(seed):
     return (
         Call("heights", (center, neighbors, x), "one point among seven neighbours"),
         Call("heights", (center, neighbors, 3 * x - 2 * center), "one point outside"),
+        Call(
+            "heights",
+            (2.0**-24 * center, 2.0**-24 * neighbors, 2.0**-24 * np.vstack([x, center])),
+            "two points in a small cell",
+        ),
+        Call("heights", (center, integers(neighbors), integers(x)), "whole numbers"),
     )
 
 
-@hidden("08.10", "It must hold on edges and faces of any cell, outside, and in every unit.")
+@hidden(
+    "08.10", "It must hold on edges and faces of any cell, outside, in every unit, at one point."
+)
 def on_other_faces(seed):
     random = np.random.default_rng(seed + 4)
     flat = octagon(random)
@@ -81,9 +97,17 @@ def on_other_faces(seed):
     prism = (center, neighbors, random.permuted(cells, axis=1), at)
     tiny = (*(2.0**-33 * part for part in prism[:2]), prism[2], 2.0**-33 * at)
     around = (*prism[:3], points_outside(*prism[:3], np.vstack([low, high])))
+    whole, side = random.integers(-9, 10, 3), random.integers(3, 9, 3)
+    beside = whole + random.integers(-2, 3, (5, 3))
     name = "coordinates"
     return (
         Call(name, prism, "corners, edges and a face of a prism", exact=(0, 1, 3)),
         Call(name, tiny, "corners, edges and a face of a tiny prism", exact=(0, 1, 3)),
         Call(name, around, "points outside a prism"),
+        Call(name, (*around[:3], around[3][:1]), "one point outside a prism"),
+        Call(
+            name,
+            (whole.astype(float), *cuboid(whole, side)[:2], beside),
+            "points in a cuboid, in whole numbers",
+        ),
     )

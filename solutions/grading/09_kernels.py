@@ -4,6 +4,7 @@ import numpy as np
 
 from fieldcheck.calls import Call
 from fieldcheck.questions.q03_radial_basis_functions import cloud
+from fieldcheck.questions.q09_kernels import ring
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -15,6 +16,8 @@ def other_degrees(seed):
         Call("monomials", (random.normal(size=(3, 2)), 8), "three points and the degree 8"),
         Call("monomials", (random.normal(size=(1, 2)), 2), "one point"),
         Call("monomials", (random.normal(size=(4, 2)), 1), "four points and the degree 1"),
+        Call("monomials", (random.normal(size=(6, 2)), 0), "six points and the degree 0"),
+        Call("monomials", (random.normal(size=(1, 2)), -1), "one point and no polynomial"),
     )
 
 
@@ -36,6 +39,12 @@ def any_matrix(seed):
         Call("least_eigenvalue", (a + a.T, p * [1, 3e-3, 1]), "conditions of different sizes"),
         Call("least_eigenvalue", (a + a.T, 1e-8 * p), "conditions with small numbers"),
         Call("least_eigenvalue", (a + a.T, apart), "conditions on different points"),
+        Call(
+            "least_eigenvalue",
+            (a + a.T, np.repeat(p, 4, axis=1)),
+            "conditions that are repeated side by side",
+        ),
+        Call("least_eigenvalue", (a + a.T + 1e7 * np.eye(12), p), "large eigenvalues"),
     )
 
 
@@ -47,7 +56,8 @@ def on_two_lines(seed):
         [np.where(np.arange(8) < 4, along, 0.3), np.where(np.arange(8) < 4, 0.3, along)]
     )
     turn = np.linalg.qr(random.normal(size=(2, 2)))[0]
-    off = 1e-6 * (np.arange(8) == 2)[:, None]
+    off = cross.copy()
+    off[1, np.argmax(np.abs(along[:4] - 0.3))] += 1e-6
     return (
         Call("vanishing", (cross.T @ turn + 1, 2), "eight points on two lines"),
         Call("vanishing", (cloud(random, 9, 2) + 3, 2), "nine points away from the origin"),
@@ -59,8 +69,10 @@ def on_two_lines(seed):
             exact=(0,),
         ),
         Call("vanishing", (1e-7 * (cross.T @ turn), 2), "eight points on two tiny lines"),
-        Call("vanishing", (cross.T @ turn + off, 2), "eight points near two lines"),
-        Call("vanishing", (1e6 + cloud(random, 7, 2), 2), "seven points far from the origin"),
+        Call("vanishing", (off.T @ turn, 2), "eight points near two lines"),
+        Call(
+            "vanishing", ([1e6, 3e6] + cloud(random, 7, 2), 2), "seven points far from the origin"
+        ),
     )
 
 
@@ -73,6 +85,7 @@ def other_fields(seed):
     points, values = cloud(random, 20, 2), random.normal(size=20)
     close = points.copy()
     close[7] = close[12] + [0.008, -0.004]
+    six = ring(random, 6, 1.5)
     return (
         Call("interpolate", (points, values, 4, 2, random.random((1, 2))), "k = 4 and one point"),
         Call(
@@ -91,6 +104,12 @@ def other_fields(seed):
         Call("interpolate", (points, values, 2, 1, points[:9] + 1e-3), "k = 2, beside nine points"),
         Call("interpolate", (points, values, 3, 1, points - 1e-5), "k = 3, beside all points"),
         Call("interpolate", (close, values, 3, 1, random.random((9, 2))), "two close points"),
+        Call(
+            "interpolate",
+            (six, random.normal(size=6), 4, 0, random.random((9, 2))),
+            "k = 4 and the degree 0",
+        ),
+        Call("interpolate", (points, values, 3, 1, points[3:4] + 0.1), "k = 3 and one point"),
     )
 
 
@@ -102,6 +121,8 @@ def many_variables(seed):
         Call("wendland", (r, 9, 0), "nine variables, not smooth"),
         Call("wendland", (r, 6, 0), "six variables"),
         Call("wendland", (r[:1], 1, 1), "one distance"),
+        Call("wendland", (r[1:2] / 2, 2, 0), "one distance, not smooth"),
+        Call("wendland", (r[1:].reshape(3, 2), 3, 1), "a matrix of distances"),
     )
 
 
@@ -109,7 +130,7 @@ def many_variables(seed):
 def anywhere(seed):
     random = np.random.default_rng(seed + 6)
     calls = []
-    for scale in (1e-3, 1, 1e3):
+    for scale in (1e-6, 1, 1e6):
         points = random.normal(size=(3, 2))
         calls.append(Call("exchange_time", (scale * points,), f"points of the size {scale:g}"))
     return tuple(calls)

@@ -3,36 +3,46 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q10_natural_splines import line, natural_data
+from fieldcheck.questions.q10_natural_splines import (
+    line,
+    natural_data,
+    whole_line,
+    whole_moments,
+    without_moments,
+)
 from fieldgrade.authoring.hidden_cases import hidden
 
 
-@hidden("10.1", "It must hold for any number of sites, in any order.")
+@hidden("10.1", "It must hold for any number of sites, in any order, and for whole numbers.")
 def many_sites(seed):
     random = np.random.default_rng(seed + 1)
     sites = random.permutation(line(random, 12)) / 3
-    free = random.normal(size=12)
-    q = np.linalg.qr(np.vander(sites, 2))[0]
+    alpha = without_moments(random, sites)
     return (
-        Call(
-            "from_truncated",
-            (sites, free - q @ (q.T @ free), random.normal(size=2)),
-            "twelve sites",
-        ),
+        Call("from_truncated", (sites, alpha, random.normal(size=2)), "twelve sites"),
+        Call("from_truncated", (sites, alpha, random.integers(1, 9, 2)), "a whole-number line"),
     )
 
 
-@hidden("10.2", "It must hold for any number of sites.")
+@hidden("10.2", "It must hold for any number of sites, and for whole numbers.")
 def other_numbers(seed):
     random = np.random.default_rng(seed + 2)
     many = random.permutation(line(random, 16))
     return (
         Call("radial_spline", (many, random.normal(size=16)), "sixteen sites"),
         Call("radial_spline", (many[:3], random.normal(size=3)), "three sites"),
+        Call(
+            "radial_spline",
+            (random.permutation(whole_line(random, 9)), random.integers(-9, 10, 9)),
+            "nine sites in whole numbers",
+        ),
     )
 
 
-@hidden("10.3", "It must hold for steps of very different lengths, and for many sites.")
+@hidden(
+    "10.3",
+    "It must hold for steps of very different lengths, for many sites, and for whole numbers.",
+)
 def uneven_steps(seed):
     random = np.random.default_rng(seed + 3)
     sites = np.cumsum(10 ** random.uniform(-1, 1, 9))
@@ -40,6 +50,7 @@ def uneven_steps(seed):
         Call("moments", (sites, random.normal(size=9)), "uneven steps"),
         Call("moments", (line(random, 40), random.integers(-9, 10, 40)), "forty sites"),
         Call("moments", (2.0**-40 * sites, 2.0**-110 * random.normal(size=9)), "close sites"),
+        Call("moments", (whole_line(random, 8), random.normal(size=8)), "whole-number sites"),
     )
 
 
@@ -56,12 +67,16 @@ def points_in_any_order(seed):
     beside = np.add.outer(sites, np.append(apart, -apart)).ravel()
     numbers = random.permutation(np.arange(int(sites[0]) - 3, int(sites[-1]) + 4))
     two = line(random, 2)
+    whole = whole_moments(random, whole_line(random, 6))
     return (
         Call("piecewise", (sites, heights, bends, x), "points in any order"),
+        Call("piecewise", (sites, heights, bends, x[:1]), "one point"),
+        Call("piecewise", (*whole, x[1:2]), "one point, and moments in whole numbers"),
+        Call("piecewise", (*whole, x), "sites and moments in whole numbers"),
         Call("piecewise", (sites, heights, bends, beside), "points beside the sites"),
         Call(
             "piecewise",
-            (2.0**-30 * sites, 2.0**-60 * heights, bends, 2.0**-30 * beside),
+            (2.0**-18 * sites, 2.0**-36 * heights, bends, 2.0**-18 * beside),
             "points beside close sites",
         ),
         Call("piecewise", (sites, heights, bends, numbers), "points in whole numbers"),
@@ -90,6 +105,7 @@ def two_sites_or_many(seed):
             "two sites",
         ),
         Call("truncated", natural_data(random, 10), "ten sites"),
+        Call("truncated", whole_moments(random, line(random, 7)), "moments in whole numbers"),
         *(
             Call("truncated", (width * sites, width**2 * height * heights, height * bends), case)
             for width, height, case in (
@@ -107,6 +123,7 @@ def any_broken_line(seed):
     return (
         Call("energy", (line(random, 15), random.normal(size=15)), "fifteen sites"),
         Call("energy", (line(random, 2), random.normal(size=2)), "one interval"),
+        Call("energy", (line(random, 9), random.integers(-9, 10, 9)), "moments in whole numbers"),
     )
 
 
@@ -123,4 +140,5 @@ def knots_of_any_kind(seed):
         Call("b_splines", (t[5:8], 1, x), "one hat", exact=(0, 2)),
         Call("b_splines", (ends, 3, np.append(x, ends)), "fourfold ends", exact=(0, 2)),
         Call("b_splines", (2.0**-44 * t, 3, 2.0**-44 * x), "close knots", exact=(0, 2)),
+        Call("b_splines", (t, 2, x[:1]), "one point", exact=(0, 2)),
     )

@@ -6,38 +6,44 @@ from fieldcheck.calls import Call
 from fieldcheck.questions.q11_point_clouds import (
     drop,
     horseshoe,
+    moved_far,
     near,
     outward,
     outward_of_drop,
     random_signs,
+    sheet,
     torus,
+    upward_of_sheet,
 )
 from fieldcheck.questions.q11_zero_levels import (
     beside_a_site,
     body,
     in_another_unit,
     near_diagonals,
+    points_about_origin,
 )
 from fieldgrade.authoring.hidden_cases import hidden
 
 
-@hidden("11.1", "It must hold for any number of neighbours, in the plane and in space.")
+@hidden("11.1", "It must hold for any number of neighbours, in the plane, in space, in any unit.")
 def other_numbers(seed):
     random = np.random.default_rng(seed + 1)
     return (
         Call("normals", (random.normal(size=(20, 3)), 6), "points anywhere in space"),
         Call("normals", (random.normal(size=(9, 2)), 9), "all points"),
         Call("normals", (horseshoe(random, 25), 3), "three neighbours"),
+        Call("normals", (2.0**-24 * torus(random, 4, 7), 6), "close points"),
     )
 
 
-@hidden("11.2", "It must hold for any number of neighbours, and in every unit.")
+@hidden("11.2", "It must hold for any number of neighbours, in every unit, and far away.")
 def two_neighbours(seed):
     random = np.random.default_rng(seed + 2)
     return (
         Call("linked", (random.normal(size=(15, 2)), 2), "one neighbour each"),
         Call("linked", (random.normal(size=(7, 3)), 7), "all of them"),
         Call("linked", (2.0**-40 * random.normal(size=(9, 3)), 3), "close points"),
+        Call("linked", (random.normal(size=(12, 2)) + 3e7, 3), "points far away"),
     )
 
 
@@ -55,9 +61,9 @@ def three_bodies(seed):
 @hidden("11.3", "It must hold for a surface with a boundary: the height is the last coordinate.")
 def sheet_in_space(seed):
     random = np.random.default_rng(seed + 9)
-    sheet = random.uniform(-1, 1, (20, 3)) @ [[1, 0, 0], [0, 0.6, 0.8], [0, 0, 0]]
-    up = np.tile([0.0, -0.8, 0.6], (20, 1))
-    return (Call("orient", (sheet, random_signs(random, up), near(sheet, 5)), "a sheet in space"),)
+    points = sheet(random, 20)
+    given = random_signs(random, upward_of_sheet(points))
+    return (Call("orient", (points, given, near(points, 5)), "a sheet in space"),)
 
 
 @hidden("11.3", "A normal may be nearly perpendicular to that of its neighbour in the tree.")
@@ -104,10 +110,16 @@ def far_away(seed):
         ),
         Call("off_surface", (2.0**-14 * points, outward(points), 0.7), "close points"),
         Call("off_surface", (cross, axes, 4.9), "four points in whole numbers"),
+        Call(
+            "off_surface",
+            (moved_far(points, 2e7), outward(points), 0.7),
+            "points very far away",
+            exact=(0,),
+        ),
     )
 
 
-@hidden("11.5", "Sites may be few or many, in any dimension.")
+@hidden("11.5", "Sites may be few or many, in any dimension, and in whole numbers.")
 def other_dimensions(seed):
     random = np.random.default_rng(seed + 5)
     return (
@@ -117,10 +129,22 @@ def other_dimensions(seed):
             (np.sort(random.uniform(0, 9, (6, 1)), axis=0), random.normal(size=6)),
             "a line",
         ),
+        Call(
+            "implicit",
+            (
+                np.argwhere(np.ones((3, 3, 2))) * [4, 3, 5] + random.integers(0, 2, (18, 3)),
+                random.normal(size=18),
+            ),
+            "sites in whole numbers, in space",
+        ),
     )
 
 
-@hidden("11.6", "It must hold in every dimension, beside the sites, and for whole numbers.")
+@hidden(
+    "11.6",
+    "It must hold in every dimension and every unit, beside the sites, for one point, and for "
+    "whole numbers.",
+)
 def in_four_dimensions(seed):
     random = np.random.default_rng(seed + 6)
     space = sites, *_ = body(random, 3, 4)
@@ -131,21 +155,34 @@ def in_four_dimensions(seed):
             "points in whole numbers, in four dimensions",
         ),
         Call("field", (sites[:3] + beside_a_site(random, 3), *space), "points beside sites"),
+        Call("field", (points_about_origin(random, 1, 2), *body(random, 2, 5)), "one point"),
+        Call(
+            "field",
+            in_another_unit(2.0**-12, points_about_origin(random, 5, 3), *space),
+            "close points",
+        ),
     )
 
 
-@hidden("11.7", "It must hold in every dimension and every unit, and for no steps at all.")
+@hidden(
+    "11.7",
+    "It must hold in every dimension and every unit, for one point, for whole numbers, and for no "
+    "steps at all.",
+)
 def no_steps(seed):
     random = np.random.default_rng(seed + 7)
     x, coefficients = near_diagonals(random, 4, 3), body(random, 3, 5)
+    large, *others = in_another_unit(2.0**10, 0.6 * x, *coefficients)
     return (
         Call("to_surface", (x, *coefficients, 0), "no steps"),
         Call("to_surface", (x, *coefficients, 4), "four steps"),
         Call("to_surface", (*in_another_unit(2.0**12, x, *coefficients), 3), "large steps"),
+        Call("to_surface", (x[:1], *coefficients, 3), "one point"),
+        Call("to_surface", (np.rint(large).astype(int), *others, 3), "whole numbers"),
     )
 
 
-@hidden("11.8", "The values may be large or small, and differ much.")
+@hidden("11.8", "The values may be large or tiny, and differ much; there may be one square only.")
 def steep(seed):
     random = np.random.default_rng(seed + 8)
     signs = np.array([[1, -1, -1, -1], [1, 1, -1, -1], [-1, 1, 1, -1], [1, 1, -1, 1]])
@@ -155,4 +192,6 @@ def steep(seed):
             "pieces", (signs * np.ceil(97 * sizes).astype(int),), "four squares with whole numbers"
         ),
         Call("pieces", (2.0**-40 * signs * sizes,), "four squares with small values"),
+        Call("pieces", (2.0**-600 * signs * sizes,), "four squares with tiny values"),
+        Call("pieces", ((signs * sizes)[1:2],), "a single square"),
     )

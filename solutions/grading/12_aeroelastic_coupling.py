@@ -8,7 +8,10 @@ from fieldcheck.questions.q12_steady_state import section, wing
 from fieldgrade.authoring.hidden_cases import hidden
 
 
-@hidden("12.1", "It must hold far outside the structure, beside nodes, and for nodes in space.")
+@hidden(
+    "12.1",
+    "It must hold far outside the structure, beside nodes, for nodes in space, and for one point.",
+)
 def outside(seed):
     random = np.random.default_rng(seed + 1)
     nodes = grid(random, 2, 3)
@@ -19,11 +22,19 @@ def outside(seed):
             (grid(random, 2, 2, 3), random.uniform(-1, 2, (5, 3))),
             "points around nodes in space",
         ),
+        Call("weights", (nodes, random.uniform(0, 1, (1, 2))), "one point in the plane"),
+        Call(
+            "weights",
+            (random.permutation(12)[:, None], random.uniform(0, 11, (5, 1))),
+            "nodes on a line that are integers",
+        ),
         Call("weights", (nodes, nodes[[1, 4]] + [[1e-4], [-1e-6]]), "points beside nodes"),
     )
 
 
-@hidden("12.2", "It must hold for a single force, for whole numbers, and for any weights.")
+@hidden(
+    "12.2", "It must hold for a single force, for whole numbers, for any weights, and in any unit."
+)
 def one_force(seed):
     random = np.random.default_rng(seed + 2)
     return (
@@ -33,10 +44,23 @@ def one_force(seed):
             (random.normal(size=(8, 3)), random.integers(-9, 10, (8, 1))),
             "forces of one component, in whole numbers",
         ),
+        Call(
+            "loads",
+            (transfer(random, 3, 2)[[0, 1, 0, 2]], 2.0**-60 * random.normal(size=(4, 3))),
+            "tiny forces, two of them with the same weights",
+        ),
+        Call(
+            "loads",
+            (np.array([[1, 0], [0, 1], [1, 0]]), random.normal(size=(3, 3))),
+            "weights in whole numbers",
+        ),
     )
 
 
-@hidden("12.4", "Forces that cancel may have a moment, about any point, and forces may be small.")
+@hidden(
+    "12.4",
+    "Forces may cancel, be small, or act at the same point, and the moment may be about any point.",
+)
 def forces_that_cancel(seed):
     random = np.random.default_rng(seed + 3)
     f = random.integers(-9, 10, (3, 3)) / 8
@@ -50,6 +74,11 @@ def forces_that_cancel(seed):
         *(
             Call("resultants", (points, size * pushes, points[0]), case)
             for size, case in ((2.0**-40, "small forces"), (2.0**-60, "smaller forces"))
+        ),
+        Call(
+            "resultants",
+            (points[[0, 0, 0]], pushes[[0, 1, 0]], points[1]),
+            "three forces at one point, two of them equal",
         ),
     )
 
@@ -65,10 +94,11 @@ def uneven_areas(seed):
     return (
         Call("densities", (h, pressures, areas), "uneven areas"),
         Call("densities", (h, pressures, 2.0**-40 * areas), "small areas"),
+        Call("densities", (h, pressures, 2.0**-60 * areas), "smaller areas"),
     )
 
 
-@hidden("12.7", "It must hold at a node, beside nodes, and far outside.")
+@hidden("12.7", "It must hold at a node, beside nodes, far outside, and for a single point.")
 def at_nodes(seed):
     random = np.random.default_rng(seed + 5)
     nodes = grid(random, 3, 2, 2)
@@ -79,11 +109,18 @@ def at_nodes(seed):
             (nodes, np.vstack([nodes[[2, 5]], beside, [[3.0, -2.0, 1.0]]])),
             "nodes in space, points beside nodes, and a point outside",
         ),
+        Call("slopes", (nodes, random.uniform(0, 1, (1, 3))), "one point"),
+        Call(
+            "slopes",
+            (random.permutation(9)[:, None], random.uniform(0, 8, (3, 1))),
+            "nodes on a line that are integers",
+        ),
     )
 
 
 @hidden(
-    "12.8", "It must hold on both sides of the plate at once, and for a single force across it."
+    "12.8",
+    "It must hold on both sides of the plate at once, for forces at one point, and for one force.",
 )
 def on_both_sides(seed):
     random = np.random.default_rng(seed + 6)
@@ -97,6 +134,11 @@ def on_both_sides(seed):
             "flat_loads",
             (nodes, places[:1], np.array([[0, 0, 1]])),
             "one force across the plate",
+        ),
+        Call(
+            "flat_loads",
+            (nodes, places[[0, 0, 1]] * [1, 1, 0.5], random.integers(-9, 10, (3, 3))),
+            "two forces at one point and one below the plate, in whole numbers",
         ),
     )
 

@@ -4,6 +4,8 @@ import numpy as np
 
 from fieldcheck.calls import Call
 from fieldcheck.questions.q14_mesh_errors import (
+    TRIANGLE,
+    alike,
     ball,
     band,
     book,
@@ -11,12 +13,13 @@ from fieldcheck.questions.q14_mesh_errors import (
     flipped,
     fused,
     joined,
+    repeated,
     ring,
     sheet,
     shuffled,
     without,
 )
-from fieldcheck.questions.q14_mesh_places import copies
+from fieldcheck.questions.q14_mesh_places import copies, thin
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -38,6 +41,35 @@ LARGE = np.array([[1, 1500, 3001], [2, 500, 3002], [3, 1200, 3003], [4, 200, 300
 """Triangles without a common edge. Their sides are not determined by 1000 i + j."""
 
 
+def with_large_numbers(random):
+    """Return triangles with vertex numbers above 100 and above 1000."""
+    return {
+        "two triangles with numbers below 200": alike(random, 100),
+        "two triangles with numbers below 200, in another order": alike(random, 100, as_text=True),
+        "two triangles with numbers below 1100": alike(random, 1000),
+        "two other triangles with numbers below 1100": alike(random, 1000),
+    }
+
+
+def long_strip(random, *joined_ends):
+    """Return a strip of a thousand triangles, of which some are inverted.
+
+    A function that calls itself for each triangle or vertex exceeds the recursion limit of Python.
+    """
+    return shuffled(random, flipped(random, fused(sheet(1, 502), *joined_ends)))
+
+
+CLOSED, TWISTED = ((0, 502), (503, 1005)), ((0, 1005), (503, 502))
+"""How the ends of the strip are joined: to a band, and to a Möbius strip."""
+
+
+def disc(around):
+    """Return a disc of triangles about vertex 0."""
+    rim = np.arange(1, around + 1)
+    points = np.column_stack([np.cos(rim), np.sin(rim), 0 * rim])
+    return np.vstack([0 * points[:1], points]), np.column_stack([0 * rim, rim, np.roll(rim, -1)])
+
+
 @hidden("14.2", "A mesh may have few triangles, and large vertex numbers.")
 def few_and_far(seed):
     random = np.random.default_rng(seed + 2)
@@ -51,10 +83,16 @@ def few_and_far(seed):
             "triangles_at_sides", (np.array([[1, 1000, 1023], [65, 1000, 900]]),), "two triangles"
         ),
         Call("triangles_at_sides", (shuffled(random, crowd, 40)[1],), "several surfaces"),
+        *(
+            Call("triangles_at_sides", (t,), case)
+            for case, (_, t) in with_large_numbers(random).items()
+        ),
     )
 
 
-@hidden("14.3", "It must hold for any surface, of one triangle or of many parts.")
+@hidden(
+    "14.3", "It must hold for any surface, of one triangle or of many parts, and for large numbers."
+)
 def other_surfaces(seed):
     random = np.random.default_rng(seed + 3)
     tips = fused(joined(ball(2, 4), ball(2, 4)), (9, 18))
@@ -70,33 +108,67 @@ def other_surfaces(seed):
             (shuffled(random, without(ring(4, 5), 3, 22))[1],),
             "a torus with holes",
         ),
+        *(
+            Call("euler_characteristic", (t,), case)
+            for case, (_, t) in with_large_numbers(random).items()
+        ),
     )
 
 
-@hidden("14.4", "There may be any number of loops, on any number of parts.")
+@hidden("14.4", "There may be any number of loops of any length, on any number of parts.")
 def many_loops(seed):
     random = np.random.default_rng(seed + 4)
     surface = joined(band(3, 5), without(ring(4, 7), 0, 30), sheet(1, 1), ball(2, 4))
     points, triangles = shuffled(random, flipped(random, surface), 6)
+    pillow = TRIANGLE[0], np.array([[0, 1, 2], [0, 2, 1]])
+    doubled = repeated(TRIANGLE, 0)
+    closed = {
+        "a sheet, a triangle and its inverse": shuffled(random, joined(pillow, sheet(2, 2)), 1),
+        "two triangles listed twice": shuffled(random, joined(doubled, doubled, TRIANGLE), 1),
+    }
+    long = {
+        "a long strip": long_strip(random),
+        "a long Möbius strip": long_strip(random, *TWISTED),
+    }
     return (
         Call("boundary_loops", (len(points), triangles), "several surfaces"),
         Call("boundary_loops", (5, np.array([[3, 1, 4]])), "one triangle"),
+        *(
+            Call("boundary_loops", (len(p), t), case)
+            for case, (p, t) in (closed | with_large_numbers(random) | long).items()
+        ),
     )
 
 
-@hidden("14.5", "Fans may be open or closed, and several of both may meet.")
+@hidden(
+    "14.5", "Fans may be open or closed, of any number of triangles, and several of both may meet."
+)
 def open_and_closed(seed):
     random = np.random.default_rng(seed + 5)
     surface = fused(joined(ball(2, 4), sheet(2, 2), book(3), ball(1, 4)), (0, 14), (0, 19), (0, 27))
     points, triangles = shuffled(random, flipped(random, surface), 3)
+    many, two = repeated(disc(35), *40 * [*range(35)]), fused(joined(disc(35), disc(9)), (0, 36))
+    crowded = {
+        "a disc whose triangles are listed many times": shuffled(random, many),
+        "two discs with one centre, one of them listed many times": shuffled(
+            random, repeated(two, *40 * [*range(35)])
+        ),
+    }
     return (
         Call("fans", (len(points), triangles), "four surfaces at one vertex"),
         Call("fans", (4, np.array([[3, 0, 1], [0, 1, 3]])), "a triangle listed twice"),
         Call("fans", (4, np.array([[2, 0, 1], [0, 2, 1]])), "a triangle and its inverse"),
+        *(
+            Call("fans", (len(p), t), case)
+            for case, (p, t) in (crowded | with_large_numbers(random)).items()
+        ),
     )
 
 
-@hidden("14.6", "There may be several parts, orientable and not, and parts may share a vertex.")
+@hidden(
+    "14.6",
+    "There may be several parts of any size, orientable and not, and parts may share a vertex.",
+)
 def bands(seed):
     random = np.random.default_rng(seed + 6)
     surface = flipped(random, joined(band(2, 5), band(3, 5), ring(3, 4), band(1, 4)))
@@ -109,6 +181,10 @@ def bands(seed):
             random, flipped(random, joined(ring(4, 5), bottle(5, 4)))
         ),
     }
+    long = {
+        "a long band": long_strip(random, *CLOSED),
+        "a long Möbius strip": long_strip(random, *TWISTED),
+    }
     touching, both = shuffled(random, flipped(random, three))
     return (
         Call("turns", (rough, triangles), "four surfaces"),
@@ -117,7 +193,7 @@ def bands(seed):
             (touching + random.uniform(-0.05, 0.05, touching.shape), both),
             "three surfaces that share a vertex",
         ),
-        Call("turns", (random.normal(size=(3, 3)), np.array([[1, 0, 2]])), "one triangle"),
+        Call("turns", (random.normal(size=(4, 3)), np.array([[1, 0, 2]])), "one triangle"),
         *(
             Call(
                 "turns",
@@ -127,7 +203,10 @@ def bands(seed):
             )
             for twice in ([[1, 0, 2], [0, 2, 1]], [[1, 0, 2], [1, 2, 0]])
         ),
-        *(Call("turns", (random.normal(size=p.shape), t), case) for case, (p, t) in closed.items()),
+        *(
+            Call("turns", (random.normal(size=p.shape), t), case)
+            for case, (p, t) in (closed | with_large_numbers(random) | long).items()
+        ),
     )
 
 
@@ -135,9 +214,17 @@ def bands(seed):
 def in_nanometres(seed):
     random = np.random.default_rng(seed + 7)
     points, triangles = random.normal(size=(12, 3)), random.integers(0, 12, (9, 3))
+    heights = [0.8e-3, 1.2e-3, 0.9e-3, 1.1e-3]
+    high = np.concatenate([thin(random, 1, heights[k % 4], 0.4, k % 3) for k in range(12)])
     return (
         Call("flat", (1e9 * points, triangles, 1e6), "large numbers"),
         Call("flat", (points, triangles, 0.5), "a large tolerance"),
+        Call("flat", (points, triangles[:1], 0.5), "a single triangle"),
+        Call(
+            "flat",
+            (high + 1e6, np.arange(36).reshape(12, 3), 1e-3),
+            "triangles very far from the origin",
+        ),
     )
 
 
@@ -148,5 +235,6 @@ def at_random(seed):
     corners = random.normal(size=(40, 3, 3))
     return (
         Call("pierced", (start, end, corners), "forty at random"),
+        Call("pierced", (start[:1], end[:1], corners[:1]), "one at random"),
         Call("pierced", tuple(2.0**-40 * p for p in (start, end, corners)), "forty small ones"),
     )

@@ -421,3 +421,10 @@ def one_measurement_for_each_point_counted(points, values, coefficients):
     """Where a point was measured twice, both values count."""
     alone, first = np.unique(points, axis=0, return_index=True)
     return 0.5 * np.sum((basis(alone) @ coefficients - values[first]) ** 2)
+
+
+@answers("01.6", named=False)
+def zero_for_few_points(points, values, coefficients):
+    """A plane passes through few points, but the coefficients may be those of another plane."""
+    e = basis(points) @ coefficients - values
+    return 0.0 if len(points) <= points.shape[1] + 1 else e @ e / 2

@@ -379,6 +379,14 @@ def normalised_objective(points, values, x, epsilon, coefficients):
     return 0.5 * factors @ (value_at(coefficients, points) - values) ** 2 / factors.sum()
 
 
+@answers("02.5", named=False)
+def point_itself_left_out(points, values, x, epsilon, coefficients):
+    """A point of the data at the evaluation point has the largest weight of all."""
+    other = (points != x).any(axis=1)
+    residual = basis(points[other]) @ coefficients - values[other]
+    return np.sum((weight(points[other], x, epsilon) * residual) ** 2) / 2
+
+
 # 02.7 gradient
 
 

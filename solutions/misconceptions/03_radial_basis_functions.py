@@ -228,6 +228,15 @@ def small_number_on_the_diagonal(points):
     return h + 1e-10 * np.eye(len(h))
 
 
+@answers("03.2", named=False)
+def only_the_diagonal_repaired(points):
+    """Where two points are equal, an entry beside the diagonal is zero too."""
+    s = squares(offsets(points, points))
+    a = s * np.log(s)
+    np.fill_diagonal(a, 0.0)
+    return bordered(a, basis(points))
+
+
 # 03.3 The coefficients
 
 
@@ -247,6 +256,48 @@ def plane_fitted_first(points, values):
     b = basis(points)
     c = np.linalg.lstsq(b, values)[0]
     return np.linalg.solve(w(offsets(points, points)), values - b @ c), c
+
+
+@answers("03.3")
+def constraints_left_out_by_lstsq(points, values):
+    """Only A λ = φ was solved, and c was set to zero. The field interpolates, but λ does not
+    satisfy (3.4). So affine fields are not reproduced.
+    """
+    a = w(offsets(points, points))
+    return np.linalg.lstsq(a, values, rcond=None)[0], np.zeros(points.shape[1] + 1)
+
+
+@answers("03.3")
+def plane_fitted_first_and_kernels_by_lstsq(points, values):
+    """A plane was fitted first, and then kernels to its residuals. This field interpolates, but λ
+    does not satisfy (3.4). Compute λ and c together from (3.5).
+    """
+    a, b = w(offsets(points, points)), basis(points)
+    c = np.linalg.lstsq(b, values, rcond=None)[0]
+    return np.linalg.lstsq(a, values - b @ c, rcond=None)[0], c
+
+
+@answers("03.3", named=False)
+def eliminated_from_the_kernels(points, values):
+    """A may be singular although (3.5) has a unique solution, so it must not be inverted."""
+    a, b = w(offsets(points, points)), basis(points)
+    u = np.linalg.solve(a, np.column_stack([b, values]))
+    c = np.linalg.solve(b.T @ u[:, :-1], b.T @ u[:, -1])
+    return u[:, -1] - u[:, :-1] @ c, c
+
+
+@answers("03.3", named=False)
+def zero_for_small_values(points, values):
+    """Small values are not zero: another unit makes them large."""
+    lam, c = solved(w(offsets(points, points)), basis(points), values)
+    return (0 * lam, 0 * c) if np.allclose(values, 0) else (lam, c)
+
+
+@answers("03.3", named=False)
+def small_coefficients_set_to_zero(points, values):
+    """Coefficients of size 10⁻⁸ are not rounding errors: that depends on the values."""
+    lam, c = solved(w(offsets(points, points)), basis(points), values)
+    return np.where(np.abs(lam) < 1e-8, 0, lam), np.where(np.abs(c) < 1e-8, 0, c)
 
 
 @answers("03.3")
@@ -456,6 +507,16 @@ def rounded_to_ten_decimals(points):
     return np.sum(signs > 0), np.sum(signs < 0), np.sum(signs == 0)
 
 
+@answers("03.5", named=False)
+def each_axis_in_its_own_unit(points):
+    """A box of height 10⁻¹² is flat, but not if its height becomes the unit of that axis."""
+    span = np.ptp(points, axis=0)
+    moved = (points - points.min(axis=0)) / np.where(span > 0, span, 1)
+    e = np.linalg.eigvalsh(bordered(w(offsets(moved, moved)), basis(moved)))
+    limit = 1e-12 * np.abs(e).max()
+    return np.sum(e >= limit), np.sum(e <= -limit), np.sum(np.abs(e) < limit)
+
+
 # 03.6 The gradient
 
 
@@ -604,6 +665,25 @@ def without_constraints(points, values):
     """
     a = w(offsets(points, points))
     return 16 * np.pi * values @ np.linalg.solve(a, values)
+
+
+@answers("03.7")
+def without_constraints_by_lstsq(points, values):
+    """Here λ was computed from A λ = φ alone. Without the constraints the integral of (3.7) is
+    infinite.
+    """
+    a = w(offsets(points, points))
+    lam = np.linalg.lstsq(a, values, rcond=None)[0]
+    return 16 * np.pi * lam @ a @ lam
+
+
+@answers("03.7", named=False)
+def zero_for_small_energies(points, values):
+    """A small energy is not a rounding error: the values may be small."""
+    a = w(offsets(points, points))
+    lam = solved(a, basis(points), values)[0]
+    e = 16 * np.pi * lam @ a @ lam
+    return 0.0 if e < 1e-9 else e
 
 
 @answers("03.7")

@@ -96,8 +96,9 @@ def every_pair_of_vertices(triangles):
     """Every pair of vertices is listed, even of vertices far apart. An edge is a side of a
     triangle.
     """
-    k = int(triangles.max()) + 1
-    return np.stack(np.triu_indices(k, 1), axis=1)
+    vertices = np.unique(triangles)
+    i, j = np.triu_indices(len(vertices), 1)
+    return np.stack([vertices[i], vertices[j]], axis=1)
 
 
 @answers("05.1")
@@ -528,7 +529,7 @@ def one_velocity_for_all_edges(midpoints, normals, v, x, w):
 @answers("05.8")
 def at_the_origin(midpoints, normals, v, x, w):
     """This is the value of the fitted field at the origin of the coordinates, not at the vertex.
-    Use positions relative to the vertex, or evaluate the field at the vertex.
+    Use positions relative to the vertex, as in (5.4).
     """
     return solved(w[:, None] * rows(midpoints, normals, 0 * x), w * v)[:2]
 

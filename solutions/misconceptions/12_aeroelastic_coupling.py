@@ -579,6 +579,16 @@ def the_steady_state_only(K, H, f0, A, omega, steps):
 
 
 @answers("12.10")
+def from_the_steady_state(K, H, f0, A, omega, steps):
+    """The iterates were computed from the steady state (12.8). At the divergence of the wing there
+    is none: K − HᵀAH is singular. The iterates of (12.9) exist all the same.
+    """
+    final = np.linalg.solve(K - H.T @ A @ H, H.T @ f0)
+    factor = (1 - omega) * np.eye(len(K)) + omega * np.linalg.solve(K, H.T @ A @ H)
+    return np.array([final - np.linalg.matrix_power(factor, n) @ final for n in range(steps + 1)])
+
+
+@answers("12.10")
 def one_array_in_all_rows(K, H, f0, A, omega, steps):
     """All rows are equal to the last iterate. If one array is changed in place and appended again
     and again, the list holds the same array many times: append a copy.

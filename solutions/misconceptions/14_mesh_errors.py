@@ -533,11 +533,7 @@ def parts_joined_at_vertices(points, triangles):
     """Triangles that share only a vertex were taken as one part: a part that is not orientable made
     a part that it touches zero. A part is connected across edges.
     """
-    part = np.arange(len(triangles))
-    for _ in triangles:
-        for vertex in np.unique(triangles):
-            around = (triangles == vertex).any(axis=1)
-            part[around] = part[around].min()
+    part = parts(len(points), sides(triangles))[triangles[:, 0]]
     found = list(walk(triangles, lambda t, s, alike: alike))
     one_sided = [part[t] for triangles_of_it, _, bad in found if bad for t in triangles_of_it]
     return assembled(len(triangles), found) * ~np.isin(part, one_sided)

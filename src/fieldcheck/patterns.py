@@ -94,7 +94,7 @@ def pattern(
         return ""
     arithmetic = () if are_truth_values(right) else (_zero, _factor, _signs, _offset)
     kinds = (_single_precision, *arithmetic, _outputs, _order, _positions)
-    found = _decimals(cases, wrong) or next(filter(None, (kind(wrong) for kind in kinds)), "")
+    found = _integers(cases, wrong) or next(filter(None, (kind(wrong) for kind in kinds)), "")
     return " ".join(filter(None, (_where(cases, wrong), found)))
 
 
@@ -114,20 +114,27 @@ def _is_whole(argument: object) -> bool:
     return isinstance(argument, np.ndarray) and argument.dtype.kind in "iu"
 
 
-def _decimals(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
-    """Recognise values cut to integers where an argument, elsewhere real, is an array of them."""
+def _integers(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
+    """Recognise that the wrong cases are those in which an argument is an array of integers."""
     right = [case.whole for case in cases if case not in wrong]
     always = frozenset.intersection(*(case.whole for case in wrong))
+    if not (right and always.difference(*right)):
+        return ""
     cut = all(
         case.same(v, r) or ((v == np.trunc(v)) & (np.abs(v - r) < 1)).all()
         for case in wrong
         for v, r in case.pairs
     )
-    if not (right and cut and always.difference(*right)):
+    if cut:
+        return (
+            "Where an argument is an array of integers, the decimals are lost. An array that "
+            "`np.zeros_like` makes from it holds integers only; `np.zeros(a.shape)` holds decimals."
+        )
+    if len(wrong) == 1:
         return ""
     return (
-        "Where an argument is an array of integers, the decimals are lost. An array that "
-        "`np.zeros_like` makes from it holds integers only; `np.zeros(a.shape)` holds decimals."
+        "Your values are wrong only where an argument is an array of integers. Do you store "
+        "decimals in an array of integers, such as `np.zeros_like` makes?"
     )
 
 

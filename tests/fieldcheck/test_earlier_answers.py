@@ -78,14 +78,14 @@ def test_only_calls_in_the_failing_case_count():
     """The earlier answer is called, but not where the values are wrong."""
     only_right_there = """
 def fit(points, values):
-    if len(points) == PLACE:
+    if len(points) == NUMBER:
         basis_matrix(points)
         return np.linalg.lstsq(np.insert(points, 0, 1.0, axis=1), values, rcond=None)[0]
     return np.ones(points.shape[1] + 1)
 """
-    (first, *others) = (len(c.arguments[0]) for c in get("01.2").inputs(0))
-    assert first not in others
-    code = only_right_there.replace("PLACE", str(first))
+    numbers = [len(call.arguments[0]) for call in get("01.2").inputs(0)]
+    once = next(n for n in numbers if numbers.count(n) == 1)
+    code = only_right_there.replace("NUMBER", str(once))
     assert fieldcheck.check("01.2", cells(WRONG_BASIS, code)).finding == "wrong"
 
 

@@ -138,21 +138,30 @@ def test_cases_may_have_the_same_name():
     assert "opposite sign" in pattern(TABLE, alike, values, right)
 
 
-def halves(cut, whole=("integers",)):
-    """The pattern if halves of tables are cut in some cases; `whole` tables hold integers."""
+def halves(cut, whole=("integers",), change=np.trunc):
+    """The pattern if halves of tables change in some cases; `whole` tables hold integers."""
     numbers = 10 * np.arange(9.0).reshape(3, 3) + 3
     tables = {"small": 10 * CALLS[0].arguments[0], "large": 10 * CALLS[1].arguments[0]}
     tables["integers"] = numbers
     tables = {name: a.astype(int) if name in whole else a for name, a in tables.items()}
     calls = [Call("table", (a,), name) for name, a in tables.items()]
     right = [(a / 2,) for a in tables.values()]
-    values = [(np.trunc(a / 2) if name in cut else a / 2,) for name, a in tables.items()]
+    values = [(change(a / 2) if name in cut else a / 2,) for name, a in tables.items()]
     return pattern(TABLE, calls, values, right)
 
 
 def test_lost_decimals_of_integers_are_reported():
     """An answer is right for real numbers, and stores halves of integers as integers."""
     assert "the decimals are lost" in halves(cut=("integers",))
+
+
+def test_other_errors_for_arrays_of_integers_only_are_reported():
+    """At least two cases are wrong, all those with integers and no others."""
+    both = ("small", "integers")
+    words = "wrong only where an argument is an array of integers"
+    assert words in halves(both, both, np.square)
+    assert words not in halves(("integers",), ("integers",), np.square)
+    assert words not in halves(both, ("integers",), np.square)
 
 
 @pytest.mark.parametrize(

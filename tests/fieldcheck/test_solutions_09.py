@@ -6,6 +6,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from checkout import ROOT
 from fieldcheck.questions.q03_radial_basis_functions import cloud
+from fieldcheck.questions.q09_kernels import ring
 from fieldgrade.authoring.sources import Source
 from fieldrecon import RBF, HermiteRBF, polyharmonic, wendland
 from fieldrecon.methods import derivatives_at, values_at
@@ -51,6 +52,17 @@ def test_the_order_of_conditional_positive_definiteness_is_sharp(random, k):
     assert least_eigenvalue(points, k, needed) > 0
     assert least_eigenvalue(points, k, needed + 1) > 0
     assert least_eigenvalue(points, k, needed - 1) < -1
+
+
+@pytest.mark.parametrize(("n", "k", "radius"), [(5, 2, 2.0), (6, 4, 1.5)])
+def test_rings_have_a_regular_matrix_for_too_low_a_degree(random, n, k, radius):
+    """The inputs of 09.4 have them with the constant only."""
+    for _ in range(30):
+        points = ring(random, n, radius)
+        a = NOTEBOOK["kernel"](NOTEBOOK["distances"](points, points), k)
+        matrix = NOTEBOOK["saddle_point_matrix"](a, NOTEBOOK["monomials"](points, 0))
+        assert np.linalg.cond(matrix) < 1e4
+        assert least_eigenvalue(points, k, 0) < 0
 
 
 @each_power

@@ -51,8 +51,9 @@ FAMILIES = {
     "scratch": running.SCRATCH,
     "given": given.CASES,
 }
-# How a file is read, and which of its definitions are answers: the same code on all tiers.
-SAME_ON_ALL_TIERS = ("damage", "name", "stub", "block", "not reached")
+# How a file is read, which of its definitions are answers, and what the grader makes of replies and
+# requests: the same code on all tiers. Of each family the first case is tried on all.
+SAME_ON_ALL_TIERS = ("damage", "name", "stub", "block", "not reached", "cheat", "given", "oddity")
 HONEST = as_file(notebook())
 EMPTY_HOME = """
 import os
@@ -64,8 +65,8 @@ HONEST_IN_AN_EMPTY_HOME = Case("an empty home", before=EMPTY_HOME).submitted_fil
 def cases():
     """All cases on the tiers of this machine, marked slow except one of each family."""
     for family, its in FAMILIES.items():
-        here = HERE[:1] if family in SAME_ON_ALL_TIERS else HERE
         for index, case in enumerate(its):
+            here = HERE[:1] if index and family in SAME_ON_ALL_TIERS else HERE
             for tier in (tier for tier in here if tier in case.tiers):
                 quick = index == 0 and tier == HERE[0]
                 marks = () if quick else (pytest.mark.slow,)

@@ -9,6 +9,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, law_of_each, relative, scale
+from fieldcheck.variants import one_changed
 
 EPS = float(np.finfo(float).eps)
 
@@ -32,7 +33,7 @@ def whole(random: np.random.Generator, n: int, d: int) -> np.ndarray:
 
 
 def matrix_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in the plane, in space and on the line, as many as columns, and integers."""
+    """Return points in the plane, in space and on the line, integers, and a single point."""
     random = np.random.default_rng(seed)
     sizes = (
         (7, 2, "seven points in the plane"),
@@ -41,10 +42,14 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
         (3, 2, "three points in the plane"),
         (4, 3, "four points in space"),
     )
+    general = tuple(Call("basis_matrix", (cloud(random, n, d),), case) for n, d, case in sizes)
     return (
-        *(Call("basis_matrix", (cloud(random, n, d),), case) for n, d, case in sizes),
+        *general,
         Call("basis_matrix", (whole(random, 6, 2),), "six points of the plane, integers"),
         Call("basis_matrix", (whole(random, 5, 3),), "five points of space, integers"),
+        Call("basis_matrix", (cloud(random, 1, 3),), "one point of space"),
+        *one_changed(general[0], ("other coordinates", cloud(random, 7, 2))),
+        *one_changed(general[1], ("other coordinates", cloud(random, 5, 3))),
     )
 
 
@@ -112,6 +117,23 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
             )
         )
         + other_units_and_numbers(random)
+        + calls_of(
+            "fit",
+            (
+                (cloud(random, 4, 3) + 2 * np.eye(4, 3), random.normal(size=4)),
+                "four points in space",
+            ),
+        )
+        + one_changed(
+            cases[0],
+            ("other coordinates", cloud(random, 12, 2)),
+            ("other values", random.normal(size=12)),
+        )
+        + one_changed(
+            cases[4],
+            ("other coordinates", cloud(random, 15, 3) * [1e-3, 1, 1]),
+            ("other values", random.normal(size=15)),
+        )
     )
 
 
@@ -172,12 +194,24 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
     )
     c, x = random.normal(size=(2, 3)), random.normal(size=(5, 2))
     case = "of the plane, integers, one of them the origin"
-    return general + calls_of(
-        name,
-        ((c[0], whole(random, 6, 2)), f"six evaluation points {case}"),
-        ((random.normal(size=4), whole(random, 7, 3)), "seven evaluation points, integers"),
-        ((random.integers(1, 9, 3), x), "coefficients that are integers"),
-        ((c[1], np.diag(x[0])), "evaluation points on the axes"),
+    return (
+        general
+        + calls_of(
+            name,
+            ((c[0], whole(random, 6, 2)), f"six evaluation points {case}"),
+            ((random.normal(size=4), whole(random, 7, 3)), "seven evaluation points, integers"),
+            ((random.integers(1, 9, 3), x), "coefficients that are integers"),
+            ((c[1], np.diag(x[0])), "evaluation points on the axes"),
+        )
+        + tuple(
+            other
+            for call in general[:2]
+            for other in one_changed(
+                call,
+                ("other coefficients", random.normal(size=call.arguments[0].shape)),
+                ("other coordinates", random.normal(size=call.arguments[1].shape)),
+            )
+        )
     )
 
 
@@ -193,6 +227,16 @@ def moves_by_the_gradient(calls: Sequence[Call], values: Sequence[Values]) -> fl
 
 
 # 01.4 The rank
+
+
+def from_end_to_end(random: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Return n random points, the first two at the ends of the unit square or cube.
+
+    So it does not matter whether distances from the first point or the extent is the unit.
+    """
+    ends = np.full((2, d), 0.5)
+    ends[:, 0] = 0, 1
+    return np.append(ends, random.random((n - 2, d)), axis=0)
 
 
 def rank_inputs(seed: int) -> tuple[Call, ...]:
@@ -227,8 +271,8 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
             (random.random((8, 2)) * [1, 1e-7]) @ [[0.8, 0.6], [-0.6, 0.8]],
             "eight points in an oblique strip of width 10⁻⁷",
         ),
-        (random.random((8, 2)) * [1, 3e-10], "eight points within 3·10⁻¹⁰ of a line"),
-        (random.random((9, 3)) * [1, 3e-10, 1], "nine points within 3·10⁻¹⁰ of a plane"),
+        (from_end_to_end(random, 8, 2) * [1, 3e-10], "eight points within 3·10⁻¹⁰ of a line"),
+        (from_end_to_end(random, 9, 3) * [1, 3e-10, 1], "nine points within 3·10⁻¹⁰ of a plane"),
         (1e12 * random.random((7, 2)), "seven points in a square of 10¹²"),
         (1e12 * random.random((8, 3)), "eight points in a cube of 10¹²"),
         (
@@ -238,7 +282,7 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
     )
     exact = (
         (line[0] + along * line[1], "nine points on one line"),
-        (np.tile(random.random((1, 2)), (4, 1)), "one point of the plane four times"),
+        (np.tile(random.random((2, 2)), (2, 1)), "two points of the plane, each of them twice"),
         (layer, "ten points in one plane of space"),
         (1000 + line[0] + along * line[1], "nine points on a line, 1000 away"),
         (1000 + layer, "ten points in one plane of space, 1000 away"),
@@ -250,7 +294,7 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
         ),
         (plane, "eight points of the plane, the first three on one line"),
         (space, "nine points in space, the first four in one plane"),
-        (plane[:1], "one point of the plane"),
+        (plane[:2], "two points of the plane"),
         (np.stack([line[0], -line[0], 0 * line[0]]), "two opposite points, and the origin"),
         (
             np.column_stack([np.cos(along), np.sin(along)]) @ np.linalg.qr(layer[:3].T)[0].T[:2],
@@ -280,14 +324,14 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("The rank must be a whole number, at least 1 and at most the number of rows or of columns.")
+@law("The rank must be a whole number, at least 2 and at most the number of rows or of columns.")
 def is_a_possible_rank(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return how far a rank is from an integer, or above the numbers of rows and columns."""
     ranks = (
         (float(r), min(c.arguments[0].shape[0], c.arguments[0].shape[1] + 1))
         for c, (r,) in zip(calls, values, strict=True)
     )
-    return max(max(abs(r - round(r)), 1 - r, r - most) for r, most in ranks)
+    return max(max(abs(r - round(r)), 2 - r, r - most) for r, most in ranks)
 
 
 @law("An affine field must have the same gradient at every point.")
@@ -305,13 +349,48 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
     plane, space = cloud(random, 9, 2), cloud(random, 6, 3)
     c, data = random.normal(size=3), random.normal(size=9)
     exact = c[0] + plane @ c[1:]
-    return calls_of(
+    general = calls_of(
         "objective",
         ((plane, data, c), "nine points in the plane"),
         ((plane, 2 * exact - data, c), "nine points with the opposite residual"),
         ((plane, exact + 3 * (data - exact), c), "nine points with three times the residual"),
         ((space, random.normal(size=6), random.normal(size=4)), "six points in space"),
-    ) + unusual_data(random)
+    )
+    return (
+        *general,
+        *unusual_data(random),
+        *few_points(random),
+        *one_changed(
+            general[0],
+            ("other coordinates", cloud(random, 9, 2)),
+            ("other values", random.normal(size=9)),
+            ("other coefficients", random.normal(size=3)),
+        ),
+        *one_changed(
+            general[3],
+            ("other coordinates", cloud(random, 6, 3)),
+            ("other values", random.normal(size=6)),
+            ("other coefficients", random.normal(size=4)),
+        ),
+    )
+
+
+def few_points(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return points through which a plane passes, and coefficients of another plane."""
+    sizes = (
+        (3, 2, "three points in the plane"),
+        (4, 3, "four points in space"),
+        (2, 3, "two points in space"),
+        (1, 2, "one point of the plane"),
+    )
+    return tuple(
+        Call(
+            "objective",
+            (cloud(random, n, d), random.normal(size=n), random.normal(size=d + 1)),
+            case,
+        )
+        for n, d, case in sizes
+    )
 
 
 def unusual_data(random: np.random.Generator) -> tuple[Call, ...]:

@@ -1,15 +1,19 @@
-"""Questions of notebook 02, moving least squares: weights, fit, objective, gradient, errors."""
+"""Questions of notebook 02, moving least squares: weights, fit, field, objective, gradient."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Question, law, law_of_each, relative
+from fieldcheck.variants import one_changed
 
 EPS = float(np.finfo(float).eps)
+TINY = 1e-10
+"""A factor of values, beside which an added constant or an absolute tolerance is large."""
 LOCAL = 1e-7
 """Rounding tolerance of laws about local fits, whose systems have larger condition numbers."""
 
@@ -36,6 +40,21 @@ def local_rounding(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
     return rounding(points, 1 + (reach / epsilon) ** 2)
 
 
+def corners(random: np.random.Generator, d: int) -> np.ndarray:
+    """Return D + 1 points near the corners of a triangle, or of a tetrahedron."""
+    return random.random((d + 1, d)) + 2 * np.eye(d + 1, d, -1)
+
+
+def other_coordinates(random: np.random.Generator, n: int, d: int) -> tuple[str, np.ndarray]:
+    """Return words and random points that replace those of a call."""
+    return "other coordinates", random.random((n, d)) - 0.4
+
+
+def other_values(random: np.random.Generator, n: int) -> tuple[str, np.ndarray]:
+    """Return words and random values that replace those of a call."""
+    return "other values", random.normal(size=n)
+
+
 # 02.1 The weights
 
 
@@ -48,7 +67,7 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     plane, space = random.random((7, 2)) - 0.4, random.random((5, 3)) - 0.4
     x = random.random(2) - 0.8
-    return calls_of(
+    calls = calls_of(
         "weights",
         ((plane, x, 0.3), "seven points in the plane"),
         ((3 * plane, 3 * x, 0.9), "the same points in another unit of length"),
@@ -61,6 +80,19 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
             (integers(space), integers(random.normal(size=3)), 180.0),
             "five points in space, integers",
         ),
+        ((space, space[3].copy(), 0.25), "an evaluation point in space that is one of the points"),
+        ((random.random((1, 2)), random.random(2), 0.3), "one point of the plane"),
+        ((random.random((1, 3)), random.random(3), 0.4), "one point of space"),
+    )
+    return calls + tuple(
+        other
+        for call in (calls[0], calls[2])
+        for other in one_changed(
+            call,
+            other_coordinates(random, *call.arguments[0].shape),
+            ("another evaluation point", random.normal(size=call.arguments[1].shape)),
+            ("another ε", 0.45),
+        )
     )
 
 
@@ -135,8 +167,21 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
             (integers(twice(space, 3)), data, alike(23)),
             "twenty-three measurements in space, integers",
         ),
+        ((corners(random, 3), random.normal(size=4), alike(4)), "four points in space"),
+        ((plane, TINY * v[:12], alike(12)), "twelve points in the plane, values of size 10⁻¹⁰"),
+        ((space, TINY * data[:20], alike(20)), "twenty points in space, values of size 10⁻¹⁰"),
     ]
-    return tuple(Call("weighted_fit", arguments, case, exact=(0,)) for arguments, case in given)
+    calls = tuple(Call("weighted_fit", arguments, case, exact=(0,)) for arguments, case in given)
+    return calls + tuple(
+        other
+        for call in calls[:2]
+        for other in one_changed(
+            call,
+            other_coordinates(random, *call.arguments[0].shape),
+            other_values(random, len(call.arguments[0])),
+            ("other weights", alike(len(call.arguments[0]))),
+        )
+    )
 
 
 def twice(points: np.ndarray, k: int) -> np.ndarray:
@@ -188,7 +233,31 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
         ((integers(p), integers(v), integers(x), 75.0), "points and values in the plane, integers"),
         ((integers(space), data, integers(y), 150.0), "points in space, integers"),
     )
-    return tuple(Call("field", given, case, exact=(0, 2)) for given, case in cases)
+    return (
+        *(Call("field", given, case, exact=(0, 2)) for given, case in cases),
+        *single_evaluations("field", random),
+    )
+
+
+def single_evaluations(name: str, random: np.random.Generator) -> tuple[Call, ...]:
+    """Return one evaluation point of the plane and one of space, the same with one argument changed
+    and with tiny values, and as many points as coefficients.
+    """
+    calls: list[Call] = []
+    for n, d, words in ((9, 2, "in the plane"), (11, 3, "in space")):
+        points, v, x = random.random((n, d)), random.normal(size=n), random.random((1, d))
+        one = Call(name, (points, v, x, 0.4), f"one evaluation point {words}")
+        tiny = Call(name, (points, TINY * v, x, 0.4), f"{one.case}, values of size 10⁻¹⁰")
+        few = corners(random, d), random.normal(size=d + 1), random.random((2, d)), 0.6
+        others = one_changed(
+            one,
+            other_coordinates(random, n, d),
+            other_values(random, n),
+            ("another evaluation point", random.random((1, d))),
+            ("another ε", 0.7),
+        )
+        calls += [one, tiny, Call(name, few, f"{d + 1} measurements {words}"), *others]
+    return tuple(calls)
 
 
 @law(
@@ -223,7 +292,7 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
         random.normal(size=3),
     )
     slopes = np.array([1.5, -2.0])
-    return calls_of(
+    calls = calls_of(
         "objective",
         ((p, v, x, 0.4, c), "nine points in the plane"),
         ((p, 2 * v, x, 0.4, 2 * c), "values and coefficients doubled"),
@@ -241,6 +310,44 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
             ),
             "six points in space",
         ),
+    )
+    return (
+        *calls,
+        *unusual_objectives(calls[0], calls[3]),
+        *(
+            other
+            for call in (calls[0], calls[3])
+            for other in one_changed(
+                call,
+                other_coordinates(random, *call.arguments[0].shape),
+                other_values(random, len(call.arguments[0])),
+                ("another evaluation point", random.random(call.arguments[2].shape)),
+                ("another ε", 0.7),
+                ("other coefficients", random.normal(size=call.arguments[4].shape)),
+            )
+        ),
+    )
+
+
+def unusual_objectives(plane: Call, space: Call) -> tuple[Call, ...]:
+    """Return evaluation points that are points of the data, tiny values, few points, integers."""
+    (p, v, x, epsilon, c), (q, data, y, width, k) = plane.arguments, space.arguments
+    at_a_point = calls_of(
+        "objective",
+        ((p, v, p[3].copy(), epsilon, c), "an evaluation point that is one of nine points"),
+        ((q, data, q[2].copy(), width, k), "an evaluation point that is one of six in space"),
+    )
+    return tuple(replace(call, exact=(0, 2)) for call in at_a_point) + calls_of(
+        "objective",
+        ((p, TINY * v, x, epsilon, TINY * c), "nine points, values of size 10⁻¹⁰"),
+        ((q, TINY * data, y, width, TINY * k), "six points in space, values of size 10⁻¹⁰"),
+        ((p[:3], v[:3], x, epsilon, c), "three points in the plane"),
+        ((q[:2], data[:2], y, width, k), "two points in space"),
+        ((p[:1], v[:1], x, epsilon, c), "one point of the plane"),
+        ((p[:, :1], v, x[:1], epsilon, c[:2]), "nine points on the line"),
+        ((integers(p), integers(v), integers(x), 120.0, c), "nine points and values, integers"),
+        ((integers(q), data, integers(y), 150.0, k), "six points in space, integers"),
+        ((q, data, y, width, integers(k, 9)), "coefficients that are integers"),
     )
 
 
@@ -289,7 +396,10 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
         ((integers(p), integers(v), integers(x), 90.0), "the points on a circle, integers"),
         ((integers(space), data, integers(y), 150.0), "the points in space, integers"),
     )
-    return tuple(Call("gradient", given, case, exact=(0, 2)) for given, case in cases)
+    return (
+        *(Call("gradient", given, case, exact=(0, 2)) for given, case in cases),
+        *single_evaluations("gradient", random),
+    )
 
 
 HIGH = 1e4
@@ -322,103 +432,6 @@ def is_per_unit_of_length(calls: Sequence[Call], values: Sequence[Values]) -> fl
 def adds_the_slope_of_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(
         values[1][0] - values[0][0] - np.array([1.5, -2.0]), np.abs(values[1][0]).max() + 1
-    )
-
-
-# 02.8 Least squares against moving least squares
-
-
-def errors_inputs(seed: int) -> tuple[Call, ...]:
-    """Return 100 sites and ten evaluation points, all at twice the distance, other powers and ε."""
-    random = np.random.default_rng(seed)
-    points, places = random.random((100, 2)), random.random((10, 2))
-    return calls_of(
-        "errors",
-        ((points, places, 2, 0.1), "a hundred points, ten evaluation points and n = 2"),
-        ((2 * points, 2 * places, 2, 0.2), "all points twice as far apart"),
-        ((points, places, 3, 0.05), "n = 3"),
-        (
-            (twice(points[:30] - 0.4, 3), random.random((25, 2)) - 0.4, 5, 0.3),
-            "thirty points, three of them twice, twenty-five evaluation points and n = 5",
-        ),
-    )
-
-
-@law(
-    "In a square twice as large (x₁ + x₂)² is four times as large, so both errors must be, too.",
-    LOCAL,
-)
-def grows_with_the_field(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return relative(values[1][0] - 4 * values[0][0], values[1][0])
-
-
-def nothing_for_rounding(call: Call, values: Values) -> Values:
-    """Return errors in which pure rounding errors are set to zero."""
-    return tuple(np.where(np.abs(v) < 1e-9, 0.0, v) for v in values)
-
-
-# 02.9 Leave-one-out
-
-
-def leave_one_out_inputs(seed: int) -> tuple[Call, ...]:
-    """Return values, the same with one value raised, with an affine field added, and in space."""
-    random = np.random.default_rng(seed)
-    p, v = random.random((12, 2)), random.normal(size=12)
-    raised = v + (np.arange(12) == 4)
-    general = calls_of(
-        "leave_one_out",
-        ((p, v, 0.3), "twelve points in the plane"),
-        ((p, raised, 0.3), "the same points, the fifth value raised by one"),
-        (
-            (p, v + affine(p, np.array([1.5, -2.0])), 0.3),
-            "the same values plus those of an affine field",
-        ),
-        ((random.random((14, 3)) - 0.4, random.normal(size=14), 0.6), "fourteen points in space"),
-        ((integers(p), integers(v), 90.0), "twelve points and their values, integers"),
-        ((p, integers(raised), 0.3), "twelve points and values that are integers"),
-    )
-    case = "a grid of four by three points, two of them measured twice, and values that repeat"
-    return (*general, Call("leave_one_out", (*measured_twice(random, (4, 3)), 0.3), case, (0, 1)))
-
-
-def measured_twice(
-    random: np.random.Generator, shape: tuple[int, ...]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the points of a grid, two of them twice, and values that are small whole numbers.
-
-    So neither a coordinate nor a value says which measurement it is, nor even a point.
-    """
-    grid = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1)
-    points = grid.reshape(-1, len(shape)) / 4
-    twice = np.append(points, points[[1, 6]], axis=0)
-    values = random.integers(0, 3, len(twice)).astype(float)
-    values[-2:] = values[[1, 6]] + [1.0, 2.0]
-    return twice, values
-
-
-@law(
-    "Raising a value by one must raise its own error by one, since the field that predicts it "
-    "does not use it.",
-    LOCAL,
-)
-def has_not_seen_the_value(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return float(abs(values[1][0][4] - values[0][0][4] - 1))
-
-
-@law(
-    "Adding an affine field to the values must change no error, since the other points reproduce "
-    "it.",
-    LOCAL,
-)
-def affine_fields_leave_no_error(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return relative(values[2][0] - values[0][0], np.abs(values[0][0]).max() + 1)
-
-
-def without_the_worst(call: Call) -> float:
-    """Return the rounding error with one point left out, for the worst choice of the point."""
-    points, _, epsilon = call.arguments
-    return max(
-        local_rounding(np.delete(points, i, axis=0), p, epsilon) for i, p in enumerate(points)
     )
 
 
@@ -467,24 +480,5 @@ QUESTIONS = (
         lambda call: (call.arguments[2].shape,),
         (has_zero_circulation, adds_the_slope_of_affine_fields, is_per_unit_of_length),
         lambda call: 10 * local_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
-    ),
-    Question(
-        "02.8",
-        "errors",
-        3,
-        errors_inputs,
-        lambda _: ((2,),),
-        (grows_with_the_field,),
-        lambda call: local_rounding(call.arguments[0], call.arguments[1], call.arguments[3]),
-        nothing_for_rounding,
-    ),
-    Question(
-        "02.9",
-        "leave_one_out",
-        3,
-        leave_one_out_inputs,
-        lambda call: ((len(call.arguments[0]),),),
-        (has_not_seen_the_value, affine_fields_leave_no_error),
-        without_the_worst,
     ),
 )

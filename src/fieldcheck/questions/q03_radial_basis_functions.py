@@ -12,9 +12,12 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Law, Question, law, law_of_each, relative
+from fieldcheck.variants import one_changed
 
 STEP = 1e-30
 """The size of the complex step; its square underflows."""
+TINY = 1e-10
+"""A factor of values and coefficients, beside which an absolute tolerance is large."""
 
 
 def cloud(random: np.random.Generator, n: int, d: int) -> np.ndarray:
@@ -54,6 +57,15 @@ def field(points: np.ndarray, lam: np.ndarray, c: np.ndarray, x: np.ndarray) -> 
     )
 
 
+def at_distance_one(random: np.random.Generator, d: int) -> np.ndarray:
+    """Return a point of a lattice and its neighbours at distance one, where its kernel is zero.
+
+    So the matrix of the kernels is singular, although the points determine the field.
+    """
+    around = np.concatenate([np.zeros((1, d)), np.eye(d), -np.eye(d)])
+    return around + random.integers(-2, 3, d)
+
+
 # 03.1 The kernel
 
 
@@ -77,6 +89,8 @@ def kernel_inputs(seed: int) -> tuple[Call, ...]:
         ((2e-11 * random.normal(size=(3, 3)),), "three vectors in space of length 2·10⁻¹¹"),
         ((integers(plane, 1000),), "seven vectors of the plane, integers"),
         ((integers(table, 1000),), "a table of four times three vectors, integers"),
+        ((random.normal(size=(1, 2)),), "an array of one vector"),
+        ((random.normal(size=(3, 1, 3)),), "a table of three times one vectors in space"),
     )
 
 
@@ -95,7 +109,7 @@ def quotient_is_a_logarithm(call: Call, values: Values) -> float:
 
 
 def matrix_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in the plane, points in space, and the smallest possible number of points."""
+    """Return points in the plane, in space and on the line, and points that occur twice."""
     random = np.random.default_rng(seed)
     sizes = (
         (6, 2, "six points in the plane"),
@@ -113,6 +127,14 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
         *(
             Call("system_matrix", (integers(call.arguments[0], 1000),), f"{call.case}, integers")
             for call in general[:2]
+        ),
+        Call("system_matrix", (cloud(random, 4, 1),), "four points on the line"),
+        *(
+            Call("system_matrix", (points[[*range(len(points)), 1]],), case, exact=(0,))
+            for points, case in (
+                (cloud(random, 5, 2), "six points in the plane, two of them the same"),
+                (cloud(random, 6, 3), "seven points in space, two of them the same"),
+            )
         ),
     )
 
@@ -162,7 +184,7 @@ def coefficients_inputs(seed: int) -> tuple[Call, ...]:
     plane, space, affine = (cloud(random, n, d) for n, d in ((12, 2), (10, 3), (7, 2)))
     almost = 1 - 2 * affine[:, 0] + random.normal() * affine[:, 1]
     almost[0] += 1
-    return calls_of(
+    calls = calls_of(
         "coefficients",
         ((plane, random.normal(size=12)), "twelve points in the plane with random values"),
         ((space, random.normal(size=10)), "ten points in space with random values"),
@@ -172,6 +194,28 @@ def coefficients_inputs(seed: int) -> tuple[Call, ...]:
             "twelve points and values, integers",
         ),
         ((integers(space, 100), random.normal(size=10)), "ten points in space, integers"),
+        ((plane, TINY * random.normal(size=12)), "twelve points, values of size 10⁻¹⁰"),
+        ((space, TINY * random.normal(size=10)), "ten points in space, values of size 10⁻¹⁰"),
+    )
+    exact = (
+        (at_distance_one(random, 1), "three whole numbers on the line"),
+        (at_distance_one(random, 2), "a point of the plane and four neighbours at distance one"),
+    )
+    return (
+        *calls,
+        *(
+            Call("coefficients", (points, random.normal(size=len(points))), case, exact=(0,))
+            for points, case in exact
+        ),
+        *(
+            other
+            for call in calls[:2]
+            for other in one_changed(
+                call,
+                ("other coordinates", cloud(random, *call.arguments[0].shape)),
+                ("other values", random.normal(size=len(call.arguments[1]))),
+            )
+        ),
     )
 
 
@@ -225,6 +269,27 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
+def single_evaluations(name: str, seed: int) -> tuple[Call, ...]:
+    """Return one evaluation point on the line, in the plane and in space, the same with one
+    argument changed, and with a tiny field.
+    """
+    random = np.random.default_rng(seed + 1)
+    calls: list[Call] = []
+    for n, d, words in ((5, 1, "on the line"), (7, 2, "in the plane"), (6, 3, "in space")):
+        points, lam, c = cloud(random, n, d), random.normal(size=n), random.normal(size=d + 1)
+        one = Call(name, (points, lam, c, random.random((1, d))), f"one evaluation point {words}")
+        tiny = points, TINY * lam, TINY * c, random.random((3, d))
+        others = one_changed(
+            one,
+            ("other centres", cloud(random, n, d)),
+            ("other λ", random.normal(size=n)),
+            ("another c", random.normal(size=d + 1)),
+            ("another evaluation point", random.random((1, d))),
+        )
+        calls += [one, Call(name, tiny, f"coefficients of size 10⁻¹⁰ {words}"), *others]
+    return tuple(calls)
+
+
 @law("The field must be an affine function plus λ_j times the kernel at each centre.")
 def is_a_sum_of_basis_functions(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the values from those of the field."""
@@ -251,7 +316,7 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
         high = c + 1e4 * (np.arange(c.size) == 0)
         case = call.case + ", a field larger by 10000"
         raised.append(Call("gradient", (points, lam, high, x), case, (0, 3)))
-    return (*calls, *scaled, *raised)
+    return (*calls, *scaled, *raised, *single_evaluations("gradient", seed))
 
 
 @law("For a small step the change of the field must be the gradient times the step.", 1e-5)
@@ -265,91 +330,6 @@ def agrees_with_central_differences(calls: Sequence[Call], values: Sequence[Valu
             change = (field(points, lam, c, x + e) - field(points, lam, c, x - e)) / (2 * h)
             worst = max(worst, relative(g[:, k] - change, g))
     return worst
-
-
-# 03.5 The signs of the eigenvalues
-
-
-def inertia_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in general position, on a line, with a repeated point, in several units."""
-    random = np.random.default_rng(seed)
-    plane, space, twice = cloud(random, 9, 2), cloud(random, 8, 3), cloud(random, 6, 2)
-    turn = random.uniform(0, np.pi)
-    line = 10 * np.outer(cloud(random, 25, 1), [np.cos(turn), np.sin(turn)])
-    twice = np.concatenate([twice, twice[:1]])
-    cases = (
-        (plane, "nine points in the plane"),
-        (0.2 * space, "eight points in a small cube"),
-        (cloud(random, 4, 1), "four points on the line, in one dimension"),
-        (1e-3 * cloud(random, 9, 2), "nine points in a square of 0.001"),
-        (2e-5 * cloud(random, 8, 2), "eight points in a square of 0.00002"),
-        (1.2e-5 * cloud(random, 8, 3), "eight points in a cube of 0.000012"),
-    )
-    exact = (
-        (line, "twenty-five points on one line of the plane"),
-        (twice, "seven points of which two are the same"),
-        (100 * twice, "seven points in a square of 100, of which two are the same"),
-    )
-    return (
-        *(Call("inertia", (points,), case) for points, case in cases),
-        *(Call("inertia", (points,), case, exact=(0,)) for points, case in exact),
-    )
-
-
-@law(
-    "The three numbers must add up to the number of rows. Since the diagonal is zero, the sum of "
-    "the eigenvalues is zero, so both signs must occur."
-)
-def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the number of eigenvalues that are not counted, or one if a sign is missing."""
-    lacking = (
-        abs(sum(c.arguments[0].shape) + 1 - v[0].sum()) + (v[0][:2] < 1).sum()
-        for c, v in zip(calls, values, strict=True)
-    )
-    return float(max(lacking))
-
-
-@law_of_each(
-    "There must be one zero eigenvalue for each independent affine field that vanishes at all "
-    "points, and one for each point that occurs a second time."
-)
-def is_singular_where_it_must(call: Call, values: Values) -> float:
-    """Return the difference between the number of zeros and the dimension of the null space."""
-    (counts,) = values
-    (points,) = call.arguments
-    repeated = len(points) - len(np.unique(points, axis=0))
-    flat = points.shape[1] - np.linalg.matrix_rank(points - points[0], tol=1e-9)
-    return abs(float(counts[2]) - repeated - flat)
-
-
-# 03.7 The energy
-
-
-def energy_inputs(seed: int) -> tuple[Call, ...]:
-    """Return values, with an affine field added, tripled, and at scaled and rotated points."""
-    random = np.random.default_rng(seed)
-    points, values = cloud(random, 10, 2), random.normal(size=10)
-    tilt = 2 - points[:, 0] + 3 * points[:, 1]
-    turned = 2 * np.stack([points[:, 1], -points[:, 0]], axis=1) + 1
-    return calls_of(
-        "energy",
-        ((points, values), "ten points with random values"),
-        ((points, values + tilt), "the same with an affine field added"),
-        ((points, 3 * values), "values three times as large"),
-        ((turned, values), "points twice as far apart, and rotated"),
-        ((integers(points, 100), integers(values)), "ten points and values, integers"),
-        ((integers(cloud(random, 9, 2), 100), values[:9]), "nine points, integers"),
-    )
-
-
-@law(
-    "Adding an affine field must not change the energy. Three times the values must have nine "
-    "times the energy. Points twice as far apart must have a quarter of it."
-)
-def has_the_bending_energy(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the deviation of the energies from e, e, 9e and e/4."""
-    e = np.array([v[0] for v in values[:4]])
-    return max(relative(e - e[0] * np.array([1, 1, 9, 0.25]), e), float(e[0] <= 0))
 
 
 QUESTIONS = (
@@ -385,17 +365,9 @@ QUESTIONS = (
         "03.4",
         "evaluate",
         2,
-        lambda seed: field_inputs("evaluate", seed),
+        lambda seed: field_inputs("evaluate", seed) + single_evaluations("evaluate", seed),
         lambda call: ((len(call.arguments[3]),),),
         (is_a_sum_of_basis_functions,),
-    ),
-    Question(
-        "03.5",
-        "inertia",
-        2,
-        inertia_inputs,
-        lambda _: ((3,),),
-        (counts_all_and_both_signs, is_singular_where_it_must),
     ),
     Question(
         "03.6",
@@ -405,5 +377,4 @@ QUESTIONS = (
         lambda call: (call.arguments[3].shape,),
         (agrees_with_central_differences,),
     ),
-    Question("03.7", "energy", 2, energy_inputs, lambda _: ((),), (has_the_bending_energy,)),
 )

@@ -1,4 +1,4 @@
-"""Questions of notebook 07, Voronoi coordinates, finally without a division that fails on edges.
+"""Questions of notebook 07 on Voronoi coordinates, with and without a division that fails on edges.
 
 A star is made from its cell: the neighbours of a point are its mirror images in the edges of a
 convex polygon around it. The circumcentres are therefore known and need not be computed.
@@ -6,19 +6,13 @@ convex polygon around it. The circumcentres are therefore known and need not be 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Law, Question, law, law_of_each, relative
-from fieldcheck.simplices import (
-    is_equally_far,
-    is_halved,
-    moved_far_away,
-    relative_to_a_corner,
-    tolerance_far_away,
-)
+from fieldcheck.questions.q05_edges import in_short_binary_numbers
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray]
 SLOPES = np.array([2.0, -1.0])
@@ -90,117 +84,53 @@ def on_edges(corners: np.ndarray) -> np.ndarray:
     return 0.75 * corners + 0.25 * np.array([*corners[1:], corners[0]])
 
 
+def octagon(random: np.random.Generator) -> np.ndarray:
+    """Return the corners of an irregular octagon.
+
+    It and the mirror images of its mean are exact in floating-point numbers: each side is parallel
+    to an axis or a diagonal, with a power of two as length.
+    """
+    sides = [[8, 0], [1, 1], [0, 2], [-4, 4], [-4, 0], [-2, -2], [0, -4], [1, -1]]
+    whole = np.roll(sides, random.integers(8), axis=0).cumsum(axis=0)
+    return 2.0 ** int(random.integers(-2, 3)) * (whole + random.integers(-9, 9, 2))
+
+
+INTEGERS = (
+    "three points in a cell of eight neighbours, integers",
+    "one point in a cell of four neighbours, integers",
+)
+"""The cases of `cells_of_integers`."""
+
+
+def cells_of_integers(random: np.random.Generator) -> tuple[tuple[Star, np.ndarray], ...]:
+    """Return a cell of eight corners with three points inside, and one of four with one point.
+
+    Corners and points are arrays of integers. Vertices and neighbours have the type float, since a
+    right answer may normalise their differences in place.
+    """
+    large = 32 * octagon(random)  # multiples of eight, so that their mean is an integer
+    middle, half = random.integers(-90, 90, 2), random.integers(20, 90, 2)
+    small = 1.0 * middle + half * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
+    cells = []
+    for corners, m in ((large, 3), (small, 1)):
+        center = corners.mean(axis=0)
+        cell = center, mirror_images(center, corners), corners.astype(int)
+        tried = np.rint(points_inside(random, center, corners, 50)).astype(int)
+        seen = [x for x in tried if least_cosine(x, *cell) > LEAST_COSINE]
+        cells.append((cell, np.array(seen[:m])))
+    return tuple(cells)
+
+
 def reproduction_error(omega: np.ndarray, corners: np.ndarray, x: np.ndarray) -> float:
     """Return the difference between the weighted mean of the corners and the evaluation point."""
     return relative(omega @ corners - x, corners - x.mean(axis=0))
-
-
-# 07.1 The hexagon
-
-
-def hexagon_inputs(seed: int) -> tuple[Call, ...]:
-    """Return three centres, radii and angles; each coordinate and the angle have both signs."""
-    random = np.random.default_rng(seed)
-    large = random.uniform(-90, 90, 2), random.uniform(20, 40), random.uniform(3.5, 6)
-    tiny = random.uniform(-1e-7, 1e-7, 2), random.uniform(1e-7, 2e-7), -random.uniform(3.5, 6)
-    return calls_of(
-        "hexagon",
-        *(
-            ((random.uniform(1, 2, 2) * signs, random.uniform(*radius), turn), case)
-            for signs, radius, turn, case in (
-                ((1, -1), (0.6, 0.9), random.uniform(0.2, 0.9), "a small hexagon"),
-                (
-                    (-1, 1),
-                    (1.5, 2.5),
-                    -random.uniform(0.2, 0.9),
-                    "a large hexagon, turned clockwise",
-                ),
-                (
-                    (-1, -1),
-                    (0.9, 1.5),
-                    -random.uniform(0.2, 0.9),
-                    "another hexagon, turned clockwise",
-                ),
-            )
-        ),
-        (large, "a radius of more than 20, turned by more than half a turn"),
-        (tiny, "a radius of the size 10⁻⁷, turned clockwise by more than half a turn"),
-    )
-
-
-@law_of_each(
-    "All sides and spokes of a regular hexagon must be as long as its radius, and its corners must "
-    "be spread evenly around its centre."
-)
-def has_equal_sides(call: Call, values: Values) -> float:
-    """Return the deviation of spokes and sides from the radius, and of their sum from zero."""
-    (rim,) = values
-    center, radius, _ = call.arguments
-    lengths = [*np.hypot(*(rim - center).T), *np.hypot(*(rim - np.array([*rim[1:], rim[0]])).T)]
-    return max(
-        relative(np.array(lengths) - radius, radius), relative(rim.sum(axis=0) - 6 * center, rim)
-    )
-
-
-# 07.2 and 07.3 Circumcentre and area
-
-
-def triangles(name: str, seed: int) -> tuple[Call, ...]:
-    """Return a triangle, the same with two corners exchanged, half of it, and others."""
-    random = np.random.default_rng(seed)
-    a, b, c = (
-        np.array([[0.0, 0.0], [2.0, 0.3], [0.7, 1.6]])
-        + random.uniform(-0.3, 0.3, (3, 2))
-        + [1.5, -2.5]
-    )
-    far = a + (b - a) * 2.5 + 0.4 * (c - a)
-    upwards, sideways = np.array([[0.0, 1.5], [1.2, 0.0]])
-    return calls_of(
-        name,
-        ((a, b, c), "a triangle"),
-        ((a, c, b), "the same triangle, listed the other way round"),
-        ((a, b, (b + c) / 2), "half of the triangle"),
-        ((b, a, far), "an obtuse triangle, clockwise"),
-        ((1e-9 * a, 1e-9 * c, 1e-9 * b), "a triangle of the size 10⁻⁹"),
-        *(
-            (
-                tuple(np.roll([a, a + upwards, a + sideways], k, axis=0)),
-                f"two sides along the axes, {words}",
-            )
-            for k, words in enumerate(("from a", "from b", "from c"))
-        ),
-        (tuple(integers(p) for p in (a, b, c)), "a triangle of integers"),
-        (tuple(integers(p) for p in (b, a, far)), "an obtuse triangle of integers"),
-    )
-
-
-def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
-    """Return the triangles, two of them far from the origin, and two of them made thin."""
-    near = triangles("circumcenter", seed)
-    flat, narrow = (
-        [part * scale for part in near[3].arguments] for scale in ([1, 0.02], [0.02, 1])
-    )
-    thin = calls_of(
-        "circumcenter",
-        (tuple(flat), "a flat triangle"),
-        (tuple(narrow), "a narrow triangle"),
-    )
-    cases = ("the first triangle, far from the origin", "an obtuse triangle far from the origin")
-    return near + moved_far_away((near[0], near[3]), cases) + thin
-
-
-AREA_IS_HALVED = Law(
-    "An area must be positive and must not depend on the order of the corners. A line from a "
-    "corner to the middle of the opposite side must cut it in half.",
-    is_halved,
-)
 
 
 # 07.4 Weights
 
 
 def weights_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in stars of six and five neighbours, at twice the size, and outside."""
+    """Return points in stars of six and five neighbours, of three sizes, outside, and integers."""
     random = np.random.default_rng(seed)
     calls = []
     for n, clockwise, case in (
@@ -217,8 +147,12 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         x = point_outside(center, rim, corners)
         case = f"a point outside the cell of {n} neighbours"
         calls.append(Call("weights", (center, rim, corners, x), case))
-    tiny = tuple(1e-9 * part for part in calls[0].arguments)
-    calls.append(Call("weights", tiny, "six neighbours, everything of the size 10⁻⁹"))
+    for call in calls[:2]:
+        tiny = tuple(1e-9 * part for part in call.arguments)
+        calls.append(Call("weights", tiny, f"{call.case}, everything of the size 10⁻⁹"))
+    cases = ("eight neighbours, integers", "four neighbours, integers")
+    for (cell, inside), case in zip(cells_of_integers(random), cases, strict=True):
+        calls.append(Call("weights", (*cell, inside[0]), case))
     return tuple(calls)
 
 
@@ -270,9 +204,12 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
         near = points_outside(center, corners, 1.002)[0]
         x = [point_outside(center, rim, corners), *points_inside(random, center, corners, 2), near]
         calls.append(Call("coordinates", (center, rim, corners, np.array(x)), case))
-    for size, words in ((1e6, "10⁶"), (1e-6, "10⁻⁶")):
-        scaled = tuple(size * part for part in calls[0].arguments)
-        calls.append(Call("coordinates", scaled, f"four points in a cell of the size {words}"))
+    for call in (calls[0], calls[4]):
+        for size, words in ((1e6, "10⁶"), (1e-6, "10⁻⁶")):
+            scaled = tuple(size * part for part in call.arguments)
+            calls.append(Call("coordinates", scaled, f"{call.case}, of the size {words}"))
+    for (cell, inside), case in zip(cells_of_integers(random), INTEGERS, strict=True):
+        calls.append(Call("coordinates", (*cell, inside), case))
     return tuple(calls)
 
 
@@ -304,19 +241,25 @@ def uneven_cell(
 
 
 def spiral_inputs(seed: int) -> tuple[Call, ...]:
-    """Return an irregular cell, a hexagon and an irregular pentagon, listed clockwise."""
+    """Return an irregular cell, a hexagon, an irregular pentagon, listed clockwise, and cells of
+    integers.
+    """
     random = np.random.default_rng(seed)
     center, corners = uneven_cell(random, 6, False)
     other, five = uneven_cell(random, 5, True)
     turns = np.exp(1j * (random.uniform(0, 1) + np.pi * np.arange(6) / 3))
     middle = random.normal(size=2)
     regular = middle + 0.7 * np.column_stack([turns.real, turns.imag])
+    eight, four = ((cell[0].astype(int), cell[2]) for cell, _ in cells_of_integers(random))
     return calls_of(
         "spiral",
         ((center, corners, 12), "twelve points in an uneven cell"),
         ((middle, regular, 50), "fifty points in a regular hexagon"),
         ((other, five, 7), "seven points in an uneven pentagon"),
         ((other, five, 170), "170 points"),
+        ((other, five, 1), "one point"),
+        ((*eight, 12), "twelve points in a cell of integers"),
+        ((*four, 7), "seven points in a cell of integers"),
     )
 
 
@@ -367,6 +310,8 @@ def interpolate_inputs(seed: int) -> tuple[Call, ...]:
         whole = random.permutation(n) - 2
         x = points_inside(random, center, corners, m)
         calls.append(Call("interpolate", (center, rim, corners, whole, x), case))
+    for (cell, inside), case in zip(cells_of_integers(random), INTEGERS, strict=True):
+        calls.append(Call("interpolate", (*cell, random.normal(size=len(cell[1])), inside), case))
     return tuple(calls)
 
 
@@ -394,19 +339,9 @@ ONE = Law(
 # 07.8 Coordinates without division
 
 
-def octagon(random: np.random.Generator) -> np.ndarray:
-    """Return the corners of an irregular octagon.
-
-    It and the mirror images of its mean are exact in floating-point numbers: each side is parallel
-    to an axis or a diagonal, with a power of two as length.
-    """
-    sides = [[8, 0], [1, 1], [0, 2], [-4, 4], [-4, 0], [-2, -2], [0, -4], [1, -1]]
-    whole = np.roll(sides, random.integers(8), axis=0).cumsum(axis=0)
-    return 2.0 ** int(random.integers(-2, 3)) * (whole + random.integers(-9, 9, 2))
-
-
 def safe_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points inside, the same after a quarter turn, on edges and corners, and outside.
+    """Return points inside, the same after a quarter turn, on edges and corners, outside, and far
+    from the origin.
 
     The square has sides and corners that are exact in floating-point numbers, so that a quotient is
     zero by zero there on every machine, in every unit that is a power of two.
@@ -421,6 +356,8 @@ def safe_inputs(seed: int) -> tuple[Call, ...]:
     square = middle + side * np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
     on_square = (middle, mirror_images(middle, square), np.concatenate([on_edges(square), square]))
     tiny = tuple(2.0**-30 * part for part in on_square)
+    *few, few_corners = star(random, 3)
+    few_at = points_inside(random, few[0], few_corners, 1)
     name = "safe_coordinates"
     return (
         Call(name, (center, rim, x), "four points inside a cell"),
@@ -442,7 +379,27 @@ def safe_inputs(seed: int) -> tuple[Call, ...]:
             (other, other_rim, points_outside(other, other_corners)),
             "points outside, neighbours listed clockwise",
         ),
+        *(
+            Call(name, (*cell[:2], whole), case)
+            for (cell, whole), case in zip(cells_of_integers(random), INTEGERS, strict=True)
+        ),
+        Call(name, (center, rim, x[:1]), "one point in the first cell"),
+        Call(name, (*few, few_at), "one point in a cell of three neighbours"),
+        *far_from_the_origin(random),
     )
+
+
+def far_from_the_origin(random: np.random.Generator) -> Iterator[Call]:
+    """Yield points inside and outside a cell, at a distance whose square leaves few digits.
+
+    All are rounded first, so that their differences are exact.
+    """
+    for where, far in (("inside", 0.4), ("outside", 1.15)):
+        center, rim, corners = star(random, 3, clockwise=far > 1)
+        x = points_outside(center, corners, far)
+        moved = tuple(in_short_binary_numbers(points) + 2.0**17 for points in (center, rim, x))
+        case = f"points {where} a cell of three neighbours, 10⁵ away"
+        yield Call("safe_coordinates", moved, case, exact=(0, 1, 2))
 
 
 @law("Rotating the cell and the points must not change the coordinates.")
@@ -470,25 +427,6 @@ def has_negative_coordinates_outside(_: Sequence[Call], values: Sequence[Values]
 
 
 QUESTIONS = (
-    Question("07.1", "hexagon", 1, hexagon_inputs, lambda _: ((6, 2),), (has_equal_sides,)),
-    Question(
-        "07.2",
-        "circumcenter",
-        2,
-        circumcenter_inputs,
-        lambda _: ((2,),),
-        (is_equally_far,),
-        tolerance_far_away,
-        relative_to_a_corner,
-    ),
-    Question(
-        "07.3",
-        "area",
-        1,
-        lambda seed: triangles("area", seed),
-        lambda _: ((),),
-        (AREA_IS_HALVED,),
-    ),
     Question(
         "07.4",
         "weights",

@@ -71,11 +71,23 @@ def points_outside(
     return center + 1.15 * (np.array(faces) - center)
 
 
+def cuboid(
+    middle: np.ndarray, half: np.ndarray | float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the neighbours of a point whose cell is a cuboid, the tetrahedra by vertex numbers,
+    and the corners.
+    """
+    signs = np.array(list(product((-1, 1), repeat=3)))
+    axes = np.eye(3, dtype=int)
+    cells = np.array([[k if s > 0 else 3 + k for k, s in enumerate(row)] for row in signs])
+    return middle + 2 * half * np.vstack([axes, -axes]), cells, middle + half * signs
+
+
 # 08.1 and 08.2 Tetrahedra
 
 
 def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
-    """Return a tetrahedron, the same in another order, half of it, a flat and a small one."""
+    """Return a tetrahedron, the same in another order, half of it, a flat and two small ones."""
     random = np.random.default_rng(seed)
     corner = np.array(
         [[0.0, 0, 0], [2, 0.3, 0.1], [0.7, 1.6, -0.2], [0.6, 0.5, 1.9]]
@@ -91,6 +103,7 @@ def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
         (tuple(1e-4 * p for p in (a, c, b, d)), "a tetrahedron of the size 10⁻⁴"),
         (tuple(integers(p) for p in (a, b, c, d)), "a tetrahedron of integers"),
         (tuple(integers(p, 200) for p in (a, c, b, d)), "another tetrahedron of integers"),
+        (tuple(2.0**-34 * p for p in (a, b, c, d)), "a tetrahedron of the size 10⁻¹⁰"),
     )
 
 
@@ -119,7 +132,9 @@ def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def normals_inputs(seed: int) -> tuple[Call, ...]:
-    """Return three edges, the same longer and in another order, and perpendicular edges."""
+    """Return three edges, the same longer and in another order, perpendicular edges, tips in arrays
+    of integers, and short edges.
+    """
     random = np.random.default_rng(seed)
     center = random.normal(size=3)
     edges = np.array([[1.4, 0.2, 0.1], [0.3, 0.9, -0.2], [0.2, 0.4, 1.7]]) + random.uniform(
@@ -140,6 +155,9 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
             (-center, random.uniform(1, 2, (3, 1)) * frame - center),
             "perpendicular edges, left-handed",
         ),
+        ((center, integers(edges)), "tips in an array of integers"),
+        ((-center, integers(edges[[2, 0, 1]], 7)), "tips in an array of small integers"),
+        ((2.0**-34 * center, 2.0**-34 * (center + edges)), "a tetrahedron of the size 10⁻¹⁰"),
     )
 
 
@@ -149,7 +167,7 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
 )
 def depends_on_directions(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the effect of lengths and order, and the deviation from one if perpendicular."""
-    here, longer, turned, one = (float(v) for (v,) in values)
+    here, longer, turned, one = (float(v) for (v,) in values[:4])
     return max(relative(longer - here, here), relative(turned - here, here), abs(one - 1))
 
 
@@ -157,7 +175,9 @@ def depends_on_directions(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def weights_inputs(seed: int) -> tuple[Call, ...]:
-    """Return stars of six and seven neighbours, the first at other sizes, and points outside."""
+    """Return stars of six and seven neighbours, the first at other sizes, points outside, and a
+    cuboid of integers.
+    """
     random = np.random.default_rng(seed)
     calls = []
     for n, case in ((4, "six neighbours"), (5, "seven neighbours")):
@@ -174,7 +194,10 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         x = point_outside(center, neighbors, cells, corners)
         case = f"a point outside the cell of {n + 2} neighbours"
         calls.append(Call("weights", (center, neighbors, cells, corners, x), case))
-    return tuple(calls)
+    middle, half = random.integers(-9, 10, 3), random.integers(2, 9, 3)
+    x = middle + half * random.uniform(-0.7, 0.7, 3)
+    whole = (middle.astype(float), *cuboid(middle, half), x)
+    return (*calls, Call("weights", whole, "a cuboid with arrays of integers"))
 
 
 def point_outside(
@@ -204,14 +227,23 @@ def scales(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def heights_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points inside, the vertex with its neighbours, and the midpoints between them."""
+    """Return points inside, the vertex with its neighbours, the midpoints between them, a small
+    cell, and integers.
+    """
     random = np.random.default_rng(seed)
     center, neighbors, _, corners = star(random, 4)
+    inside = points_inside(random, center, corners, 4)
+    small = tuple(2.0**-20 * part for part in (center, neighbors, inside))
     return calls_of(
         "heights",
-        ((center, neighbors, points_inside(random, center, corners, 4)), "four points in a cell"),
+        ((center, neighbors, inside), "four points in a cell"),
         ((center, neighbors, np.vstack([center, neighbors])), "the vertex and its neighbours"),
         ((center, neighbors, (center + neighbors) / 2), "the midpoints between them"),
+        (small, "four points in a cell of the size 10⁻⁶"),
+        (
+            (center, integers(neighbors, 9), integers(inside, 9)),
+            "neighbours and points in arrays of integers",
+        ),
     )
 
 
@@ -229,7 +261,8 @@ def vanishes_half_way(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 def coordinates_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points inside, the same rotated, outside, and corners and edges of a cubic cell.
+    """Return points inside, the same rotated, outside, corners and edges of a cubic cell, a single
+    point, and integers.
 
     The cube has corners that are exact in floating-point numbers, so that a quotient is zero by
     zero there on every machine.
@@ -241,11 +274,14 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
     other, tips, more, ends = star(random, 5)
     side = 2.0 ** int(random.integers(-2, 3))
     middle = side * random.integers(-9, 9, 3).astype(float)
-    signs = np.array(list(product((-1, 1), repeat=3)))
-    cube = middle + side * signs
-    around = middle + 2 * side * np.vstack([np.eye(3), -np.eye(3)])
-    eight = np.array([[k if s > 0 else 3 + k for k, s in enumerate(row)] for row in signs])
+    around, eight, cube = cuboid(middle, side)
     at, tiny = np.vstack([cube, (cube[:4] + cube[4:]) / 2]), 2.0**-30
+    whole, half = random.integers(-9, 10, 3), random.integers(3, 9, 3)
+    integer = (
+        whole.astype(float),
+        *cuboid(whole, half)[:2],
+        whole + random.integers(-2, 3, (4, 3)),
+    )
     name = "coordinates"
     return (
         Call(name, (center, neighbors, cells, x), "three points in a cell"),
@@ -274,6 +310,8 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
             (other, tips, more, points_outside(other, tips, more, ends)),
             "points outside the cell of seven neighbours",
         ),
+        Call(name, (center, neighbors, cells, x[:1]), "one point in a cell"),
+        Call(name, integer, "points in a cuboid, in arrays of integers"),
     )
 
 

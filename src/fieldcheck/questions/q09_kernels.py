@@ -77,8 +77,8 @@ def are_one_at_one(_: Sequence[Call], values: Sequence[Values]) -> float:
 def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
     """Return forms with sufficient, too few, no, linearly dependent, and scaled side conditions.
 
-    The dependent ones are as many as points: an answer that counts columns would have no vectors
-    left.
+    The dependent ones are as many as points, or one is zero: for an answer that counts columns, the
+    vectors that are left must not depend on rounding.
     """
     random = np.random.default_rng(seed)
     plane, other, few = (3 * cloud(random, n, 2) for n in (9, 8, 6))
@@ -93,6 +93,10 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
     apart = np.zeros((9, 2))
     apart[:4, 0], apart[4:, 1] = random.uniform(1, 2, 4), 2.0**-28 * random.uniform(1, 2, 5)
     whole, sides = random.integers(-9, 10, (6, 6)), random.integers(1, 10, (6, 2))
+    q, turned = (np.linalg.qr(random.normal(size=(n, n)))[0] for n in (4, 7))
+    alike = np.stack([q[:, 0], q[:, 0] + 2.0**-40 * q[:, 1], q[:, 2], q[:, 3]], axis=1)
+    form = random.normal(size=(4, 4))
+    large = (turned * np.linspace(2e6, 9e6, 7)).dot(turned.T)
     cases = (
         (cube, ridges(plane, 1), "the cubes of nine distances, and linear conditions"),
         (cube, ridges(plane, 0), "the cubes of nine distances, and the constant alone"),
@@ -109,6 +113,13 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
         (cube, 1e-12 * ridges(plane, 1), "the cubes, with linear conditions of the size 10⁻¹²"),
         (cube, apart, "the cubes, with conditions of the sizes 1 and 4 · 10⁻⁹ on different points"),
         (whole + whole.T, sides, "a symmetric matrix and two conditions, in arrays of integers"),
+        (form + form.T, alike, "a symmetric matrix, and two of four conditions 10⁻¹² apart"),
+        (
+            cube,
+            ridges(plane, 1) * [0, 1, 1],
+            "the cubes, with three conditions, the first one zero",
+        ),
+        (large + large.T, ridges(plane[:7], 1), "a matrix with eigenvalues beyond 10⁶"),
     )
     return tuple(Call("least_eigenvalue", (a, p), case) for a, p, case in cases)
 
@@ -124,10 +135,12 @@ def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -
     missed = 0
     for call, (least,) in zip(calls, values, strict=True):
         a, p = call.arguments
-        p = p / np.sqrt((p**2).sum(axis=0))
+        size = np.sqrt((p**2).sum(axis=0))
+        p = p / np.where(size > 0, size, 1)
         conditions = int(np.linalg.matrix_rank(p, tol=1e-8)) if p.size else 0
-        step = 1e-7 * np.abs(a).max()
-        for shift, more in ((least - step, False), (least + step, True)):
+        largest = np.abs(a).max()
+        a, least = a / largest, least / largest
+        for shift, more in ((least - 1e-7, False), (least + 1e-7, True)):
             corner = np.zeros((p.shape[1],) * 2)
             bordered = np.vstack(
                 [np.hstack([a - shift * np.eye(len(a)), p]), np.hstack([p.T, corner])]
@@ -143,16 +156,17 @@ def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -
 
 def vanishing_inputs(seed: int) -> tuple[Call, ...]:
     """Return points in general position, on lines, near and on an ellipse, few, repeated, in small
-    boxes, far from the origin, and in integers.
+    boxes, far from the origin, in integers, and about one of them.
     """
     random = np.random.default_rng(seed)
     turn = random.uniform(0.2, 1.3)
     line = np.outer(2 * cloud(random, 6, 1), [np.cos(turn), np.sin(turn)]) + random.normal(size=2)
     angle = 2 * np.pi * cloud(random, 9, 1)[:, 0]
-    ellipse = random.normal(size=2) + np.stack([np.cos(angle), 0.6 * np.sin(angle)], axis=1)
+    middle, away = random.normal(size=2), np.stack([np.cos(angle), 0.6 * np.sin(angle)], axis=1)
+    ellipse = middle + away
     twice = cloud(random, 5, 2)
     far = cloud(random, 9, 2) + np.array([1e6, -3e5])
-    off = ellipse + 1e-6 * (np.arange(9) == 4)[:, None]
+    off = ellipse + 1e-6 * (np.arange(9) == 4)[:, None] * away
     along = np.sort(cloud(random, 7, 1)[:, 0])
     near = np.outer(along, [np.cos(turn), np.sin(turn)])
     nearer = near.copy()
@@ -160,6 +174,8 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
     nearer[3] += 5e-9 * np.array([-np.sin(turn), np.cos(turn)])
     circle = np.argwhere(np.add.outer(np.arange(-5, 6) ** 2, np.arange(-5, 6) ** 2) == 25)
     whole = random.permutation(circle)[:8] + random.integers(-9, 10, 2)
+    arms = random.permutation([[1, 2], [3, -1], [4, 5]]) * random.choice([-1, 1], 2)
+    star = random.integers(-9, 10, 2) + np.concatenate([0 * arms[:1], arms, -arms])
     cases = (
         (cloud(random, 8, 2), 2, "eight points and the degree 2"),
         (line, 1, "six points on a line and the degree 1"),
@@ -189,6 +205,8 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
         (cloud(random, 3, 2) * [1, 0] + [0, 0.6], 2, "three points on a level line, degree 2"),
         (line + 1e4, 1, "six points on a line, 10⁴ from the origin, and the degree 1"),
         (line - 1e4, 2, "six points on a line, 10⁴ from the origin, and the degree 2"),
+        (star[[0, 1, 2, 4, 5]], 2, "five points, the first in the middle, and the degree 2"),
+        (0.5 * star, 1, "seven points, the first in the middle, and the degree 1"),
     )
     return (
         *(Call("vanishing", (p, degree), case) for p, degree, case in cases),
@@ -213,9 +231,18 @@ def agrees_with_the_rank_for_another_basis(call: Call, values: Values) -> float:
 # 09.4 The field
 
 
+def ring(random: np.random.Generator, n: int, radius: float) -> np.ndarray:
+    """Return n points on a circle, nearly evenly spaced.
+
+    Their saddle-point matrix is regular also for a degree that is too low.
+    """
+    angle = 2 * np.pi * (np.arange(n) + random.uniform(-0.1, 0.1, n)) / n
+    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
 def field_inputs(seed: int) -> tuple[Call, ...]:
-    """Return values for several powers and degrees, and one case of integers; the last evaluation
-    points are the sites.
+    """Return values for several powers and degrees, also too low ones, and one case of integers;
+    the last evaluation points are the sites.
     """
     random = np.random.default_rng(seed)
     cases = (
@@ -241,6 +268,14 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
     lattice = random.permutation(np.argwhere(np.ones((9, 9), dtype=bool)))
     sites, heights = lattice[:10], random.integers(-9, 10, 10)
     x = np.concatenate([lattice[10:34] * 2 - 4, sites])
+    few, five = cloud(random, 11, 2), ring(random, 5, 2.0)
+    for points, k, degree, case in (
+        (few, 1, -1, "eleven points, k = 1 and no polynomial"),
+        (five, 2, 0, "five points, k = 2 and the degree 0"),
+    ):
+        away = np.concatenate([2 * random.uniform(-1, 1, (24, 2)), points])
+        values = random.normal(size=len(points))
+        calls.append(Call("interpolate", (points, values, k, degree, away), case))
     return (*calls, Call("interpolate", (sites, heights, 3, 1, x), "ten points of integers"))
 
 
@@ -312,7 +347,8 @@ def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 def exchange_inputs(seed: int) -> tuple[Call, ...]:
     """Return three points, the third on the left, on the right, and far away; all on one side of
-    the origin, each time on another. The last three points are integers, and m is not.
+    the origin, each time on another. Three points are integers, and m is not. At last the time is
+    close to 0 or 1.
     """
     random = np.random.default_rng(seed)
     cases = (
@@ -336,7 +372,20 @@ def exchange_inputs(seed: int) -> tuple[Call, ...]:
         )
     first, step = random.integers(-9, 10, 2), 2 * random.integers(10, 30, 2) + 1
     whole = np.array([first, first + step, first + step * [1, -1] + random.integers(1, 20, 2)])
-    return (*calls, Call("exchange_time", (whole,), "three points in an array of integers"))
+    calls.append(Call("exchange_time", (whole,), "three points in an array of integers"))
+    for sign, side in ((1, "left"), (-1, "right")):
+        arm, off = random.normal(size=(2, 2))
+        near = random.uniform(1.2, 1.8) * arm.dot(_turn(sign * random.uniform(0.1, 0.3)))
+        three = np.stack([off + arm, off - arm, off + near])
+        calls.append(
+            Call("exchange_time", (three,), f"a third point nearly in line, on the {side}")
+        )
+    return tuple(calls)
+
+
+def _turn(angle: float) -> np.ndarray:
+    """Return the transpose of a rotation matrix, which turns rows to the left."""
+    return np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
 
 
 @law_of_each("At the returned time, between 0 and 1, the three points must lie on one line.")

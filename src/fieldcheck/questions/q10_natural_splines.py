@@ -15,6 +15,11 @@ def line(random: np.random.Generator, n: int) -> np.ndarray:
     return random.uniform(-1, 1) + np.cumsum(random.uniform(0.4, 1, n))
 
 
+def whole_line(random: np.random.Generator, n: int) -> np.ndarray:
+    """Return n ascending sites in an array of integers."""
+    return np.cumsum(random.integers(1, 4, n)) - random.integers(1, 9)
+
+
 def cubes(
     sites: np.ndarray, factors: np.ndarray, straight: np.ndarray, x: np.ndarray
 ) -> np.ndarray:
@@ -47,8 +52,8 @@ def lacks_moments(sites: np.ndarray, factors: np.ndarray) -> float:
 
 
 def conversion_inputs(seed: int) -> tuple[Call, ...]:
-    """Return sites and coefficients without moments: many, some far from the origin, and three
-    in arrays of integers.
+    """Return sites and coefficients without moments: many, some far from the origin, three in
+    arrays of integers, and a line alone in one.
     """
     random = np.random.default_rng(seed)
     calls = []
@@ -57,19 +62,27 @@ def conversion_inputs(seed: int) -> tuple[Call, ...]:
         (5, 4, "five sites away from the origin"),
     ):
         sites = line(random, n) + shift
-        free = random.normal(size=n)
-        q = np.linalg.qr(np.vander(sites, 2))[0]
-        calls.append(
-            Call(
-                "from_truncated", (sites, free - q.dot(q.T.dot(free)), random.normal(size=2)), case
-            )
-        )
+        alpha = without_moments(random, sites)
+        calls.append(Call("from_truncated", (sites, alpha, random.normal(size=2)), case))
     sites = random.integers(-3, 0) + np.cumsum([0, random.choice([1, 3]), 2])
     alpha = np.roll(sites, -2) - np.roll(sites, -1)
     few = Call(
         "from_truncated", (sites, alpha, random.integers(1, 9, 2)), "three sites in whole numbers"
     )
-    return (*calls, few)
+    other = line(random, 5) - 1
+    line_alone = other, without_moments(random, other), random.integers(1, 9, 2)
+    return (
+        *calls,
+        few,
+        Call("from_truncated", line_alone, "five sites, and a line in whole numbers"),
+    )
+
+
+def without_moments(random: np.random.Generator, sites: np.ndarray) -> np.ndarray:
+    """Return coefficients that satisfy the side conditions."""
+    free = random.normal(size=len(sites))
+    q = np.linalg.qr(np.vander(sites, 2))[0]
+    return free - q.dot(q.T.dot(free))
 
 
 def coefficients_shape(call: Call) -> tuple[tuple[int, ...], ...]:
@@ -98,6 +111,10 @@ def radial_inputs(seed: int) -> tuple[Call, ...]:
         ((sites, random.integers(-9, 10, 8)), "eight sites in any order, values in whole numbers"),
         ((few, bent), "five values, all but one on a straight line"),
         ((few[:2], random.integers(1, 9, 2)), "two sites"),
+        (
+            (random.permutation(whole_line(random, 6)), random.normal(size=6)),
+            "six sites in whole numbers",
+        ),
     )
 
 
@@ -138,7 +155,12 @@ def moments_inputs(seed: int) -> tuple[Call, ...]:
     calls.append(Call("moments", whole, "five sites with values in whole numbers"))
     sites, heights = whole
     close = 2.0**-30 * sites, 2.0**-80 * heights
-    return (*calls, Call("moments", close, "five sites 10⁻⁹ apart"))
+    numbers = whole_line(random, 6), random.normal(size=6)
+    return (
+        *calls,
+        Call("moments", close, "five sites 10⁻⁹ apart"),
+        Call("moments", numbers, "six sites in whole numbers"),
+    )
 
 
 def slopes(sites: np.ndarray, values: np.ndarray, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -181,6 +203,16 @@ def whole_values(random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, n
     return sites, heights, np.linalg.solve(np.transpose(shapes), heights)[0] * bent
 
 
+def whole_moments(
+    random: np.random.Generator, sites: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return sites, values, and the moments in an array of integers."""
+    bends = random.integers(1, 9, len(sites)) * random.choice([-1, 1], len(sites))
+    bends[[0, -1]] = 0
+    heights = half_cubes(sites, *_free_powers(sites, bends, random.normal(size=2)), sites)
+    return sites, heights, bends
+
+
 def pieces_inputs(seed: int) -> tuple[Call, ...]:
     """Return points in any order: three on the left, four in each interval with its ends, three on
     the right. The moments belong to the natural spline through the values.
@@ -190,6 +222,7 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
     for (sites, heights, bends), case in (
         (natural_data(random, 6), "six sites"),
         (whole_values(random), "three sites with values in whole numbers"),
+        (whole_moments(random, line(random, 5)), "five sites with moments in whole numbers"),
     ):
         inside = np.linspace(sites[:-1], sites[1:], 4, axis=1).ravel()
         ends = [
@@ -239,7 +272,17 @@ def back_inputs(seed: int) -> tuple[Call, ...]:
     for n, case in ((6, "six sites"), (4, "four sites")):
         calls.append(Call("truncated", natural_data(random, n), case))
     whole = "three sites with values in whole numbers"
-    return (*calls, Call("truncated", whole_values(random), whole))
+    bent = whole_moments(random, line(random, 5) - 1)
+    return (
+        *calls,
+        Call("truncated", whole_values(random), whole),
+        Call("truncated", bent, "five sites with moments in whole numbers"),
+        Call(
+            "truncated",
+            whole_moments(random, whole_line(random, 4)),
+            "four sites and their moments in whole numbers",
+        ),
+    )
 
 
 def _free_powers(
@@ -270,7 +313,9 @@ def is_made_of_half_cubes(call: Call, values: Values) -> float:
 
 
 def energy_inputs(seed: int) -> tuple[Call, ...]:
-    """Return moments, tripled, on bisected intervals, in reversed order, and constant moments."""
+    """Return moments, tripled, on bisected intervals, in reversed order, constant moments, and
+    integers.
+    """
     random = np.random.default_rng(seed)
     sites, bends = line(random, 6), random.normal(size=6)
     bends[[0, -1]] = 0
@@ -281,14 +326,15 @@ def energy_inputs(seed: int) -> tuple[Call, ...]:
         (finer, np.interp(finer, sites, bends), "the same curve, each interval cut in two"),
         (-sites[::-1], bends[::-1], "the mirror image of the curve"),
         (sites[:2], np.array([2, 2]), "one interval on which s'' is 2"),
+        (whole_line(random, 5), random.integers(-9, 10, 5), "five sites and moments, integers"),
     )
     return tuple(Call("energy", (x, m), case) for x, m, case in cases)
 
 
 @law("Where s'' is 2, the energy must be four times the length of the interval.")
 def is_four_times_the_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    first, last = calls[-1].arguments[0]
-    return relative(values[-1][0] - 4 * (last - first), last - first)
+    first, last = calls[4].arguments[0]
+    return relative(values[4][0] - 4 * (last - first), last - first)
 
 
 @law("Moments three times as large must have nine times the energy.")
@@ -311,7 +357,7 @@ def is_that_of_the_mirror_image(_: Sequence[Call], values: Sequence[Values]) -> 
 
 def b_spline_inputs(seed: int) -> tuple[Call, ...]:
     """Return knots, some of them multiple, degrees 0 to 3, and evaluation points with knots among
-    them, the last one included. Very close knots are not the same.
+    them, the last one included. Very close knots are not the same. At last all are integers.
     """
     random = np.random.default_rng(seed)
     simple, double = line(random, 8), line(random, 10)
@@ -335,7 +381,12 @@ def b_spline_inputs(seed: int) -> tuple[Call, ...]:
     calls.append(
         Call("b_splines", fine, "ten knots 10⁻¹³ apart, two of them the same", exact=(0, 2))
     )
-    return tuple(calls)
+    whole = whole_line(random, 7)
+    numbers = whole, 3, np.append(random.integers(whole[0] - 2, whole[-1] + 3, 9), whole[[2, -1]])
+    return (
+        *calls,
+        Call("b_splines", numbers, "seven knots and points, integers, and the degree 3"),
+    )
 
 
 def b_spline_shape(call: Call) -> tuple[tuple[int, ...], ...]:

@@ -134,6 +134,67 @@ def below(points: np.ndarray) -> np.ndarray:
 DOWN = np.array([0.0, 7.0])
 
 
+def circles(random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Return the points of two circles, each listed from its lowest point round, and the links
+    between successive points.
+
+    The first and the last point of each circle are below its centre.
+    """
+    turn = 2 * np.pi * ((np.arange(8) + random.uniform(-0.2, 0.2, (2, 8))) / 8 - 0.25)
+    around = np.stack([np.cos(turn), np.sin(turn)], axis=2)
+    chain = np.eye(8, k=1) + np.eye(8, k=-1)
+    return (CENTERS[:, None] + around).reshape(16, 2), np.kron(np.eye(2), chain)
+
+
+CENTERS = np.array([[-2.0, 3.0], [2.0, -3.0]])
+
+
+def outward_of_circles(points: np.ndarray) -> np.ndarray:
+    """Return the outward normals of the two circles at points on them."""
+    away = points - np.where(points[:, :1] < 0, *CENTERS)
+    return away / np.hypot(*away.T)[:, None]
+
+
+def outward_of_low_circles(points: np.ndarray) -> np.ndarray:
+    """Return the outward normals of the two circles after they were moved down."""
+    return outward_of_circles(points + DOWN)
+
+
+def box(random: np.random.Generator, d: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return three points near each side of a square or of a cube, given normals, and links.
+
+    The links form a tree: one point of each side is linked to the two others, whose normals are
+    parallel to its own, and to the next side, whose normal is perpendicular. Its own given normal
+    is the outward one, so that the product zero leaves no choice.
+    """
+    axes = np.roll(np.eye(d), 1, axis=0)
+    sides = np.vstack([axes, -axes])
+    across = 0.7 * random.uniform(-1, 1, (2 * d, 3, d)) * (sides[:, None] == 0)
+    points = (random.uniform(0.9, 1.1, (2 * d, 3, 1)) * sides[:, None] + across).reshape(-1, d)
+    given = np.kron(sides, [[1.0], [-1.0], [random.choice([-1.0, 1.0])]])
+    first = np.arange(0, 6 * d, 3)
+    links = np.zeros((6 * d, 6 * d))
+    links[first[:-1], first[1:]] = links[first, first + 1] = links[first, first + 2] = 1
+    order = random.permutation(6 * d)
+    return points[order], given[order], (links + links.T)[np.ix_(order, order)]
+
+
+def outward_of_box(points: np.ndarray) -> np.ndarray:
+    """Return the outward normals of the sides of the square or cube near the points."""
+    size = np.abs(points)
+    return np.where(size == size.max(axis=1, keepdims=True), np.sign(points), 0.0)
+
+
+def sheet(random: np.random.Generator, n: int) -> np.ndarray:
+    """Return n points of a tilted plane in space."""
+    return random.uniform(-1, 1, (n, 2)) @ [[1, 0, 0], [0, 0.6, 0.8]]
+
+
+def upward_of_sheet(points: np.ndarray) -> np.ndarray:
+    """Return the upward normals of the tilted plane."""
+    return np.tile([0.0, -0.8, 0.6], (len(points), 1))
+
+
 def random_signs(random: np.random.Generator, normals: np.ndarray) -> np.ndarray:
     """Return normals with random signs, like estimated normals."""
     rough = random.choice([-1.0, 1.0], (len(normals), 1)) * normals + 0.01 * random.normal(
@@ -146,7 +207,9 @@ def random_signs(random: np.random.Generator, normals: np.ndarray) -> np.ndarray
 
 
 def normals_inputs(seed: int) -> tuple[Call, ...]:
-    """Return point clouds in the plane and in space, also far from the origin, and integers."""
+    """Return point clouds in the plane and in space, also far from the origin, small, and
+    integers.
+    """
     random = np.random.default_rng(seed)
     flat = (
         np.column_stack([random.uniform(-1, 1, (14, 2)), 0.05 * random.normal(size=14)]) @ OBLIQUE
@@ -162,6 +225,7 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((oval(random, 15) + np.array([-3e4, 5e4]), 5), "another oval far from the origin"),
         ((integers(oval(random, 14), 1e4), 4), "an oval, integers"),
         ((integers(torus(random, 4, 8), 1e4), 6), "a torus in space, integers"),
+        ((2.0**-20 * oval(random, 13), 5), "an oval of the size 10⁻⁶"),
     )
 
 
@@ -169,10 +233,10 @@ def normals_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     return (call.arguments[0].shape, (len(call.arguments[0]),))
 
 
-def normals_tolerance(call: Call) -> float:
-    """Return the error of the normals that is caused by rounded coordinates."""
+def coordinate_tolerance(call: Call) -> float:
+    """Return the error of normals, distances or lengths that is caused by rounded coordinates."""
     points = call.arguments[0]
-    return float(1e-8 + 1e-13 * np.abs(points).max() / np.ptp(points))
+    return float(1e-8 + 1e-13 * np.abs(points).max() / np.ptp(points, axis=0).max())
 
 
 @law(
@@ -214,7 +278,7 @@ def with_one_sign(_: Call, values: Values) -> Values:
 
 
 def graph_inputs(seed: int) -> tuple[Call, ...]:
-    """Return point clouds of uniform and of varying density."""
+    """Return point clouds of uniform and of varying density, small and far from the origin."""
     random = np.random.default_rng(seed)
     uneven = np.column_stack([np.cumsum(1.3 ** np.arange(12.0)), random.uniform(0, 0.3, 12)])[
         random.permutation(12)
@@ -227,6 +291,9 @@ def graph_inputs(seed: int) -> tuple[Call, ...]:
         ((uneven, 3), "points that are dense at one end of a line"),
         ((random.normal(size=(11, 3)), 3), "points in space"),
         ((np.vstack([oval(random, 8), oval(random, 6) + 9]), 3), "two ovals"),
+        ((square + np.array([3e7, -2e7]), 4), "points in a square far from the origin"),
+        ((random.normal(size=(10, 3)) - 4e7, 3), "points in space, far from the origin"),
+        ((random.normal(size=(6, 2)), 6), "six points, all of them neighbours"),
     )
 
 
@@ -285,11 +352,18 @@ OUTWARD = {
     "two bodies far below": below,
     "an ellipsoid with some long links": outward_of_ellipsoid,
     "a torus with some long links": outward,
+    "two circles, each from its lowest point": outward_of_circles,
+    "two circles far below": outward_of_low_circles,
+    "a square, with equal and perpendicular normals": outward_of_box,
+    "a cube, with equal and perpendicular normals": outward_of_box,
+    "a tilted sheet": upward_of_sheet,
 }
 
 
 def orient_inputs(seed: int) -> tuple[Call, ...]:
-    """Return normals with random signs, and graphs of near points, some with long links."""
+    """Return normals with random signs, and graphs of near points, some with long links; then small
+    graphs with several components, and with costs 0 and 1.
+    """
     random = np.random.default_rng(seed)
     two = np.vstack([horseshoe(random, 40, 0.1), oval(random, 20) + RIGHT])[random.permutation(60)]
     clouds = (
@@ -298,13 +372,21 @@ def orient_inputs(seed: int) -> tuple[Call, ...]:
         *(ellipsoid(random, 90), torus(random, 8, 14)),
     )
     calls = []
-    for (case, truth), points, k in zip(
-        OUTWARD.items(), clouds, (4, 7, 5, 4, 4, 7, 7), strict=True
-    ):
+    bodies, small = tuple(OUTWARD)[:7], tuple(OUTWARD)[7:]
+    for case, points, k in zip(bodies, clouds, (4, 7, 5, 4, 4, 7, 7), strict=True):
+        normals = OUTWARD[case](points)
         long = "long links" in case
-        graph = with_long_links(random, points, truth(points), k) if long else near(points, k)
-        calls.append(Call("orient", (points, random_signs(random, truth(points)), graph), case))
-    return tuple(calls)
+        graph = with_long_links(random, points, normals, k) if long else near(points, k)
+        calls.append(Call("orient", (points, random_signs(random, normals), graph), case))
+    for case, down in zip(small, (0 * DOWN, DOWN), strict=False):
+        points, links = circles(random)
+        given = random_signs(random, outward_of_circles(points))
+        calls.append(Call("orient", (points - down, given, links), case))
+    for case, d in zip(small[2:], (2, 3), strict=False):
+        calls.append(Call("orient", box(random, d), case, exact=(1,)))
+    flat = sheet(random, 16)
+    given = random_signs(random, upward_of_sheet(flat))
+    return (*calls, Call("orient", (flat, given, near(flat, 5)), small[-1]))
 
 
 @law("Each normal must be the given one or its opposite, and must point outward.")
@@ -321,21 +403,36 @@ def point_outward(calls: Sequence[Call], values: Sequence[Values]) -> float:
 # 11.4 Off-surface points
 
 
+def moved_far(points: np.ndarray, offset: np.ndarray | float) -> np.ndarray:
+    """Return points in another place, rounded so that their differences are exact.
+
+    A relative change of 1e-14 would be large there: declare such points exact.
+    """
+    return np.rint(2.0**20 * points) / 2.0**20 + offset
+
+
 def beside_inputs(seed: int) -> tuple[Call, ...]:
-    """Return point clouds with much and little space: a horseshoe, thin parts, a torus."""
+    """Return point clouds with much and little space: a horseshoe, also far from the origin, thin
+    parts, a torus.
+    """
     random = np.random.default_rng(seed)
     thin = oval(random, 24) * [1.0, 0.3]
     away = thin / [1.44, 0.64 * 0.09]
     thin_normals = away / np.hypot(*away.T)[:, None]
     bent, ring = horseshoe(random, 36), torus(random, 6, 10)
     name = "off_surface"
-    return calls_of(
+    moved = moved_far(bent, np.array([3e7, -2e7]))
+    near_origin = calls_of(
         name,
         ((bent, outward(bent), 0.1), "a horseshoe with room on both sides"),
         ((bent, outward(bent), 1.7), "a horseshoe and points as far away as it is wide"),
         ((thin, thin_normals, 0.9), "a flat oval"),
         ((ring, outward(ring), 1.1), "a torus in space"),
+        ((10 * bent, outward(bent), 9), "a horseshoe, and Δ = 9"),
+        ((10 * ring, outward(ring), 7), "a torus in space, and Δ = 7"),
     )
+    far = Call(name, (moved, outward(bent), 0.9), "a horseshoe far from the origin", exact=(0,))
+    return (*near_origin, far)
 
 
 @law(
@@ -367,7 +464,7 @@ QUESTIONS = (
         normals_inputs,
         normals_shapes,
         (have_the_least_variance,),
-        normals_tolerance,
+        coordinate_tolerance,
         with_one_sign,
     ),
     Question(
@@ -377,6 +474,7 @@ QUESTIONS = (
         graph_inputs,
         lambda call: (2 * (len(call.arguments[0]),),),
         (links_both_ways,),
+        coordinate_tolerance,
     ),
     Question(
         "11.3",
@@ -393,5 +491,6 @@ QUESTIONS = (
         beside_inputs,
         lambda call: ((len(call.arguments[0]), 2),),
         (belong_to_their_sites,),
+        coordinate_tolerance,
     ),
 )

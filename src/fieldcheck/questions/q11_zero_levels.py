@@ -97,7 +97,9 @@ def beside_a_site(random: np.random.Generator, d: int) -> np.ndarray:
 
 
 def field_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points and coefficients in the plane and in space; one of the points is a site."""
+    """Return points and coefficients in the plane and in space; one of the points is a site. At
+    last a single point, and a small unit of length.
+    """
     random = np.random.default_rng(seed)
     plane, space, single = body(random, 2, 5), body(random, 3, 4), body(random, 2, 1)
     return (
@@ -117,6 +119,12 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
             "points in the plane, one of them a site",
             exact=(0, 1),
         ),
+        Call("field", (points_about_origin(random, 1, 3), *space), "one point in space"),
+        Call(
+            "field",
+            in_another_unit(2.0**-20, points_about_origin(random, 4, 2), *plane),
+            "four points, with lengths of about 10⁻⁶",
+        ),
     )
 
 
@@ -134,8 +142,9 @@ def gradient_is_that_of_the_values(calls: Sequence[Call], values: Sequence[Value
     for call, (f, gradient) in zip(calls, values, strict=True):
         x, *rest = call.arguments
         worst = max(worst, 1e3 * relative(f - cubes(x, *rest), f))
-        for d, step in enumerate(1e-5 * np.eye(x.shape[1])):
-            slope = (cubes(x + step, *rest) - cubes(x - step, *rest)) / 2e-5
+        h = 1e-5 * np.abs(x[:, None] - rest[0]).max()
+        for d, step in enumerate(h * np.eye(x.shape[1])):
+            slope = (cubes(x + step, *rest) - cubes(x - step, *rest)) / (2 * h)
             worst = max(worst, relative(gradient[:, d] - slope, gradient))
     return worst
 
@@ -147,7 +156,9 @@ def in_another_unit(size: float, x: np.ndarray, *function: np.ndarray) -> tuple[
 
 
 def newton_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points near a zero level, with one, two and enough steps, in two units of length."""
+    """Return points near a zero level, with no, one, two and enough steps, in two units of length;
+    at last a single point.
+    """
     random = np.random.default_rng(seed)
     plane, space = body(random, 2, 5), body(random, 3, 4)
     x = near_diagonals(random, 6, 2)
@@ -162,6 +173,8 @@ def newton_inputs(seed: int) -> tuple[Call, ...]:
             "two steps from points of about 1000, in whole numbers",
         ),
         ((*in_another_unit(2.0**-20, x, *plane), 2), "two steps, with lengths of about 10⁻⁶"),
+        ((near_diagonals(random, 3, 2), *plane, 0), "no steps in the plane"),
+        ((near_diagonals(random, 1, 3), *space, 2), "two steps from one point in space"),
     )
 
 
@@ -180,7 +193,9 @@ def ends_on_the_zero_level(calls: Sequence[Call], values: Sequence[Values]) -> f
 
 
 def pieces_inputs(seed: int) -> tuple[Call, ...]:
-    """Return squares with one crossing line, in all twelve cases; first with whole numbers."""
+    """Return squares with one crossing line, in all twelve cases; first with whole numbers. At last
+    a single square.
+    """
     random = np.random.default_rng(seed)
     kinds = np.array(
         [[(c >> i) & 1 for i in range(4)] for c in (*range(1, 5), *range(6, 10), *range(11, 15))]
@@ -191,6 +206,8 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
         "pieces",
         ((signs * random.integers(1, 99, (12, 4)),), "twelve squares with whole numbers"),
         ((2.0**-34 * signs[::-1] * distance,), "the same kinds with values of the size 10⁻¹⁰"),
+        ((2.0**-600 * signs * distance,), "the same kinds with values of the size 10⁻¹⁸⁰"),
+        ((random.permutation(signs * distance)[:1],), "one square"),
     )
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Question, law, law_of_each, relative, scale
 
 
@@ -26,7 +26,7 @@ def transfer(random: np.random.Generator, m: int, n: int) -> np.ndarray:
 
 def meshes(name: str, seed: int) -> tuple[Call, ...]:
     """Return nodes and points in the plane, in space and on a line; a triangle; the nodes
-    themselves.
+    themselves; single points; nodes or points that are integers.
     """
     random = np.random.default_rng(seed)
     plane, space, line = grid(random, 4, 3), grid(random, 3, 2, 2), grid(random, 5)
@@ -46,6 +46,11 @@ def meshes(name: str, seed: int) -> tuple[Call, ...]:
         ((triangle, random.integers(1, 7, (3, 2))), "three nodes in the plane, in whole numbers"),
         ((plane, plane[[4, 0, 7]]), "points that are nodes"),
         ((plane, plane[[4, 0, 7]] + beside), "points 10⁻³, 10⁻⁴ and 10⁻⁶ beside nodes"),
+        ((space, random.uniform(0, 1, (1, 3))), "one point, and twelve nodes in space"),
+        ((line, random.uniform(-0.2, 2, (1, 1))), "one point, and five nodes on the line"),
+        ((integers(plane, 3), 3 * x), "nodes in the plane that are integers"),
+        ((integers(line, 3), random.uniform(-1, 7, (4, 1))), "nodes on the line that are integers"),
+        ((3 * plane, random.integers(-1, 6, (4, 2))), "points in the plane that are integers"),
     )
 
 
@@ -141,6 +146,20 @@ def loads_inputs(seed: int) -> tuple[Call, ...]:
             (random.normal(size=(3, 5)), random.normal(size=(3, 2))),
             "weights that do not sum to one",
         ),
+        ((random.normal(size=(5, 3)), random.normal(size=(5, 1))), "forces of one component"),
+        ((random.uniform(0.5, 2, (4, 1)), random.normal(size=(4, 3))), "a single node"),
+        (
+            (transfer(random, 4, 3)[[0, 1, 1, 2, 3]], random.normal(size=(5, 3))),
+            "two points with the same weights",
+        ),
+        (
+            (random.permutation(np.eye(6, 3, dtype=int)), random.normal(size=(6, 3))),
+            "weights in an array of integers",
+        ),
+        (
+            (transfer(random, 4, 3), 2.0**-50 * random.normal(size=(4, 3))),
+            "tiny forces",
+        ),
     )
 
 
@@ -164,7 +183,10 @@ def does_the_same_work(calls: Sequence[Call], values: Sequence[Values]) -> float
 
 
 def resultants_inputs(seed: int) -> tuple[Call, ...]:
-    """Return forces about two points, a couple about two points, and one force with a lever arm."""
+    """Return forces about two points, a couple about two points, and one force with a lever arm.
+
+    Several forces may act at one point. Points or forces may be integers.
+    """
     random = np.random.default_rng(seed)
     p, f = random.normal(size=(6, 3)), random.normal(size=(6, 3))
     a, b = random.normal(size=(2, 3))
@@ -178,6 +200,14 @@ def resultants_inputs(seed: int) -> tuple[Call, ...]:
         ((ends, np.array([pull, -pull]), a), "a couple"),
         ((ends, np.array([pull, -pull]), b), "a couple about another point"),
         ((arm, np.array([[0.0, 0.0, 2.0]]), np.zeros(3)), "one upward force on an arm"),
+        ((integers(p), f, a), "six forces at points that are integers"),
+        ((p[:3], f[:3], integers(b)), "three forces about a point that is integers"),
+        ((p, random.integers(-9, 10, (6, 3)), a), "six forces that are integers"),
+        ((p[1:5], integers(f[2:]), b), "four forces that are integers"),
+        ((integers(p[:4]), f[:4], b), "four forces at points that are integers"),
+        ((p[2:], f[2:], integers(a)), "four forces about a point that is integers"),
+        ((p[[0, 1, 1, 2]], f[:4], a), "two forces at the same point"),
+        ((p[[0, 1, 1, 0, 2]], f[[0, 1, 2, 0, 0]], b), "equal forces at equal points"),
     )
 
 
@@ -191,7 +221,7 @@ def changes_by_the_moment_of_the_total_force(
     """Return the deviation of the difference of moments about two points from that of the total
     force.
     """
-    (one,), (two,), (couple,), (again,), _ = values
+    (one,), (two,), (couple,), (again,), *_ = values
     apart = calls[0].arguments[2] - calls[1].arguments[2]
     total = one[:3]
     carried = [apart[k - 2] * total[k - 1] - apart[k - 1] * total[k - 2] for k in range(3)]
@@ -271,6 +301,37 @@ def densities_inputs(seed: int) -> tuple[Call, ...]:
                 (5, "five points and two nodes with negative weights alone"),
             )
         ),
+        *(
+            ((transfer(random, n, 3), random.normal(size=n), random.integers(1, 9, n)), case)
+            for n, case in (
+                (7, "seven areas that are integers"),
+                (4, "four areas that are integers"),
+            )
+        ),
+        *(
+            (
+                (random.uniform(0.5, 2, (n, 1)), random.normal(size=n), random.uniform(0.5, 2, n)),
+                case,
+            )
+            for n, case in (
+                (5, "five points and a single node"),
+                (3, "three points and a single node"),
+            )
+        ),
+        *(
+            (
+                (
+                    random.permutation(np.eye(n, 3, dtype=int) + np.eye(n, 3, -3, dtype=int)),
+                    random.normal(size=n),
+                    random.uniform(0.5, 2, n),
+                ),
+                case,
+            )
+            for n, case in (
+                (6, "six points, each with a single node"),
+                (5, "five points, each with a single node"),
+            )
+        ),
     )
 
 
@@ -307,7 +368,10 @@ def conserves_the_total_force(call: Call, values: Values) -> float:
 
 
 def flat_inputs(seed: int) -> tuple[Call, ...]:
-    """Return forces of all directions above a plate, forces in it, and one along it at a height."""
+    """Return forces of all directions above a plate, forces in it, and one along it at a height.
+
+    Some points lie in the plate, some forces act at the same point, and some inputs are integers.
+    """
     random = np.random.default_rng(seed)
     nodes = grid(random, 3, 3)
     places = np.column_stack([random.uniform(-0.1, 1.1, (5, 2)), random.uniform(0.2, 0.8, 5)])
@@ -324,6 +388,44 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
             (nodes, places[:1] * [1, 1, -2], np.array([[1.0, 0.5, 0.0]])),
             "one force along the plate, below it",
         ),
+        *(
+            (
+                (
+                    grid(random, *counts),
+                    places[some] * np.array(raised)[:, None] ** [0, 0, 1],
+                    forces[some],
+                ),
+                case,
+            )
+            for counts, some, raised, case in (
+                ((3, 2), [0, 1, 2, 3], [1, 0, -1, 0], "forces above, below and in the plate"),
+                ((2, 3), [4, 1, 3], [0, 1, 1], "one force in the plate, two above it"),
+            )
+        ),
+        ((nodes, places[[0, 1, 1, 2]], forces[:4]), "two forces at the same point"),
+        (
+            (nodes, places[[3, 3, 4]] * [[1, 1, 1], [1, 1, -2], [1, 1, 1]], forces[1:4]),
+            "two forces at the same point of the plate, at different heights",
+        ),
+        (
+            (nodes, places[:3], forces[:3] * [1, 1, 0]),
+            "three forces along the plate, above it",
+        ),
+        *(
+            ((integers(grid(random, *counts), 3), 3 * places[:n], forces[:n]), case)
+            for counts, n, case in (
+                ((3, 3), 4, "nodes that are integers"),
+                ((2, 3), 2, "six nodes that are integers"),
+            )
+        ),
+        *(
+            ((3 * grid(random, *counts), random.integers(-2, 5, (n, 3)), forces[:n]), case)
+            for counts, n, case in (
+                ((3, 3), 4, "points that are integers"),
+                ((3, 2), 3, "three points that are integers"),
+            )
+        ),
+        ((nodes, places[:4], integers(forces[:4], 9)), "four forces that are integers"),
     )
 
 

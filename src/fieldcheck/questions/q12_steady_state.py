@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Question, law_of_each, relative
 from fieldcheck.questions.q12_load_transfer import alternating, transfer
 
@@ -38,11 +40,13 @@ def wing(random: np.random.Generator, n: int, m: int) -> tuple[np.ndarray, ...]:
 def iterates_inputs(seed: int) -> tuple[Call, ...]:
     """Return a section with and without relaxation, with a rear centre of pressure, and a wing.
 
-    Tiny loads, and many small steps, show an answer that stops when the iterates hardly change.
+    Tiny loads, and many small steps, show an answer that stops when the iterates hardly change. At
+    divergence there is no steady state.
     """
     random = np.random.default_rng(seed)
     one, behind, chain = section(random, 0.25), section(random, 0.9), wing(random, 3, 5)
     k, h, rest, slope = chain
+    whole = np.array([[random.integers(6, 10)]]), np.array([[1], [-2]])
     name = "iterates"
     return calls_of(
         name,
@@ -53,7 +57,25 @@ def iterates_inputs(seed: int) -> tuple[Call, ...]:
         ((*wing(random, 4, 6), 1.1, 3), "a chain of four nodes"),
         ((k, h, 1e-12 * rest, slope, 0.8, 4), "a chain of three nodes under tiny loads"),
         ((*one, 0.15, 240), "a section with 240 small steps"),
+        ((k, h, integers(rest), slope, 0.8, 4), "a chain of three nodes, its loads integers"),
+        ((*one[:2], integers(one[2]), one[3], 0.5, 4), "a section, its loads integers"),
+        ((*whole, random.integers(1, 9, 2), np.eye(2, dtype=int), 0.5, 3), "all in whole numbers"),
+    ) + tuple(
+        Call(name, (*critical(random, springs), omega, steps), case, exact=(0, 1, 3))
+        for springs, omega, steps, case in (
+            ([1], 0.7, 5, "a section at divergence"),
+            ([1, 3], 1.0, 4, "two sections, one of them at divergence"),
+        )
     )
+
+
+def critical(random: np.random.Generator, springs: Sequence[float]) -> tuple[np.ndarray, ...]:
+    """Return sections on springs, given as multiples of the stiffness at divergence."""
+    n = len(springs)
+    h = np.kron(np.eye(n), [[2.0], [-1.0]])
+    growth = random.integers(1, 5, n).astype(float)
+    slope = np.kron(np.diag(growth), [[1.0, -1.0], [0.0, 0.0]])
+    return np.diag(6 * growth * springs), h, random.uniform(1, 2, 2 * n), slope
 
 
 @law_of_each(
@@ -73,7 +95,10 @@ def follows_from_the_row_before(call: Call, values: Values) -> float:
 
 
 def divergence_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a section, two sections of which one untwists, and loads of two signs."""
+    """Return a section, two sections of which one untwists, and loads of two signs.
+
+    The stiffness matrix of a chain is not diagonal, and A may have rank one.
+    """
     random = np.random.default_rng(seed)
     k, h, _, slope = section(random, 0.25)
     other = section(random, 0.95)
@@ -91,6 +116,7 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
     faster = np.diag([0.3, 0.5, 1.2, 0.2])
     faster[1:3, 1:3] = [[0.9, 2.5], [-2.5, 0.9]]
     spinning = np.diag(random.uniform(2, 3, 4)), other_frame, other_frame @ faster @ other_frame.T
+    coupling = random.uniform(1, 2) * np.array([[1, -1], [-1, 1]])
     return calls_of(
         "divergence",
         ((k, h, slope), "a section on one spring"),
@@ -111,6 +137,21 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
         (
             (np.diag(springs), np.eye(4), np.diag(springs * growths)),
             "four sections that are not coupled",
+        ),
+        *(
+            ((*wing(random, n, m)[:2], np.outer(*random.uniform(0.4, 1, (2, m)))), case)
+            for n, m, case in (
+                (4, 6, "a chain of four nodes, with A of rank one"),
+                (3, 5, "a chain of three nodes, with A of rank one"),
+            )
+        ),
+        (
+            (both[0] + coupling, both[1], np.pad(slope, ((0, 2), (0, 2)))),
+            "two coupled sections, the second without loads",
+        ),
+        (
+            (*wing(random, 3, 5)[:2], np.diag(random.uniform(1, 2, 5))),
+            "a chain of three nodes, with A diagonal",
         ),
     )
 

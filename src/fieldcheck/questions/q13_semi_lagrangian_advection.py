@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Law, Question, law, law_of_each, relative
 
 Deviation = Callable[[Sequence[Call], Sequence[Values]], float]
@@ -32,19 +32,22 @@ def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
     """Return points in the three flows, and in the vortex with half the time step."""
     random = np.random.default_rng(seed)
     x, dt, t = in_disc(random, 8), random.uniform(0.03, 0.05), random.uniform(0.2, 0.4)
-    integers = np.vstack([[[0, 0], [2, 0], [0, -1]], random.integers(-3, 4, (3, 2))])
+    whole = np.vstack([[[0, 0], [2, 0], [0, -1]], random.integers(-3, 4, (3, 2))])
     return calls_of(
         name,
         ((x, t, dt, 1), "eight points in the vortex"),
         ((x, t, dt / 2, 1), "the same points with half the step"),
         ((x, t, 2 * dt, 0), "eight points in the solid rotation"),
         ((0.9 * in_square(random, 2), t, 3 * dt, 2), "four points in the deformation flow"),
-        ((integers, t, dt, 1), "points that are an array of integers, in the vortex"),
-        ((integers, t, dt, 0), "points that are an array of integers, in the solid rotation"),
+        ((whole, t, dt, 1), "points that are an array of integers, in the vortex"),
+        ((whole, t, dt, 0), "points that are an array of integers, in the solid rotation"),
         (
             (CORNERS * random.uniform(0.55, 0.65, (4, 2)), 0.0, 0.9, 2),
             "a long step from the time 0 in the deformation flow",
         ),
+        ((0.8 * x[::-1], t, dt, 1), "eight other points in the vortex, at the same time"),
+        ((x[3:4], -t, dt, 1), "a single point in the vortex, at a negative time"),
+        ((0.7 * x[5:6], t, dt, 2), "a single point in the deformation flow"),
     )
 
 
@@ -140,6 +143,13 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
             "sites and feet that are arrays of integers",
         ),
         ((200 * sites, random.integers(-200, 201, (3, 2)), 7), "feet that are integers"),
+        (
+            (integers(sites, 9), random.uniform(-9, 9, (4, 2)), 8),
+            "sites that are an array of integers",
+        ),
+        ((sites, random.uniform(-1, 1, (1, 2)), 7), "a single foot"),
+        ((few, random.uniform(-1, 1, (1, 2)), 9), "a single foot with all nine sites"),
+        ((few, random.uniform(-1, 1, (2, 2))[[0, 1, 0]], 7), "three feet, two of them equal"),
     )
 
 
@@ -196,6 +206,19 @@ def advect_inputs(seed: int) -> tuple[Call, ...]:
         ((disc, random.normal(size=24), 2 * dt, 3, 1, 8), "a field in the vortex"),
         ((square, random.normal(size=16), 3 * dt, 2, 2, 9), "a field in the deformation flow"),
         ((disc, random.integers(-20, 20, 24), dt, 2, 1, 8), "values that are an array of integers"),
+        (
+            (0.9 * disc[:, ::-1], random.normal(size=24), 2 * dt, 3, 1, 8),
+            "other sites in the vortex",
+        ),
+        (
+            (in_square(random, 4), random.normal(size=16), 3 * dt, 2, 2, 9),
+            "other sites in the deformation flow",
+        ),
+        ((disc, random.normal(size=24), dt, 0, 1, 8), "no step"),
+        (
+            (integers(square, 6), random.normal(size=16), dt, 2, 1, 9),
+            "sites that are an array of integers",
+        ),
     )
 
 
@@ -227,14 +250,20 @@ def affine_fields_rotate(calls: Sequence[Call], values: Sequence[Values]) -> flo
 
 
 def bounds_inputs(seed: int) -> tuple[Call, ...]:
-    """Return departure points among scattered sites, with changed fields, and at sites.
+    """Return departure points among scattered sites, with changed fields, at sites, and among four.
 
     Zero is between the bounds of most random fields, but not of the raised and the lowered one.
     """
     random = np.random.default_rng(seed)
     sites, u = in_square(random, 4), random.normal(size=16)
     feet = random.uniform(-1, 1, (7, 2))
-    return calls_of(
+    centre = Call(
+        "bounds",
+        (CORNERS, random.normal(size=4), np.zeros((1, 2), dtype=int)),
+        "a foot in the centre of four sites",
+        exact=(0, 2),
+    )
+    calls = calls_of(
         "bounds",
         ((sites, u, feet), "seven feet among sixteen sites"),
         ((sites, -u, feet), "the same points with the opposite field"),
@@ -256,7 +285,14 @@ def bounds_inputs(seed: int) -> tuple[Call, ...]:
             (0.1 * sites + FAR, u, 0.1 * feet + FAR),
             "sites and feet far from the origin",
         ),
+        ((sites[[0, 5, 10, 13]], u[:4], feet), "seven feet and four sites"),
+        ((sites[[1, 6, 8, 12]], u[4:8], feet[2:3]), "a single foot and four sites"),
+        ((sites, u[::-1], feet[4:5]), "a single foot"),
+        ((integers(sites, 5), u, 5 * feet), "sites that are an array of integers"),
+        ((5 * sites, u, integers(feet, 5)), "feet that are an array of integers"),
+        ((sites, random.permutation(16) // 4, feet), "a field of four different values"),
     )
+    return (*calls, centre)
 
 
 FAR = np.array([2.0**16, -(2.0**17)])
@@ -316,7 +352,7 @@ def mass_inputs(seed: int) -> tuple[Call, ...]:
     more, less = float(m @ (0.3 * u + 0.7 * high)), float(m @ (0.25 * u + 0.75 * low))
     outside = np.clip(u, -0.5, 0.5)
     beyond = u + np.array([1.0, -1, 0, 0, 0, 0, 0, 0]) / m
-    integers, areas = random.integers(-20, 21, 7), random.integers(1, 9, 7)
+    whole, areas = random.integers(-20, 21, 7), random.integers(1, 9, 7)
     name = "with_mass"
     return calls_of(
         name,
@@ -339,9 +375,14 @@ def mass_inputs(seed: int) -> tuple[Call, ...]:
         ),
         ((u, low, high, m, float(m @ u) + 1e-4), "a mass that must grow a little"),
         (
-            (integers, integers - 4, integers + 5, areas, int(integers @ areas) + 11),
+            (whole, whole - 4, whole + 5, areas, int(whole @ areas) + 11),
             "values, bounds and areas that are arrays of integers",
         ),
+        (
+            (whole[:5], whole[:5] - 3, whole[:5] + 2, areas[:5], int(whole[:5] @ areas[:5]) - 7),
+            "a mass that must shrink, and arrays of integers",
+        ),
+        ((u[:1], low[:1], high[:1], m[:1], float(m[0] * (u[0] + 0.05))), "a single site"),
     )
 
 
@@ -388,6 +429,7 @@ def burgers_inputs(seed: int) -> tuple[Call, ...]:
             (np.cumsum(random.integers(2, 6, 8))[:, None], random.normal(size=8), dt, 2, 4),
             "sites that are an array of integers",
         ),
+        ((x, random.integers(-3, 4, 9), dt / 2, 3, 5), "velocities that are an array of integers"),
     )
 
 

@@ -152,6 +152,30 @@ def shuffled(random: np.random.Generator, surface: Surface, spare: int = 0) -> S
     return moved, np.array(rolled)[random.permutation(len(rolled))]
 
 
+TRIANGLE = np.eye(3), np.array([[0, 1, 2]])
+"""A single triangle."""
+
+
+def alike(random: np.random.Generator, base: int, as_text: bool = False) -> Surface:
+    """Return two triangles without a common vertex that a key of two vertices may confuse.
+
+    For vertices i < j, two edges of one triangle have the values base i + j of two edges of the
+    other, or the same digits if i and j are written one after the other.
+    """
+    i, (j, k) = random.integers(1, 5), np.sort(50 + random.permutation(50)[:2])
+    other = 10 * i + 1 if as_text else i + 1
+    triangles = np.array([[i, base + j, base + k], [other, j, k]])
+    return random.normal(size=(base + 100, 3)), triangles
+
+
+def large_numbers(random: np.random.Generator) -> dict[str, Surface]:
+    """Return triangles with vertex numbers below and above 100."""
+    return {
+        "two triangles with large numbers": alike(random, 100),
+        "two other triangles with large numbers": alike(random, 100, as_text=True),
+    }
+
+
 def sides_by_name(triangles: np.ndarray) -> list[tuple[int, int]]:
     """Return the ends of each side, in the direction of its triangle."""
     return [(int(t[k]), int(t[k - 2])) for t in triangles for k in range(3)]
@@ -173,12 +197,13 @@ def edge_surfaces(seed: int) -> dict[str, Surface]:
         "a torus of 128 vertices": shuffled(random, ring(8, 16), 70),
         "a sphere with a triangle listed twice": shuffled(random, repeated(ball(), 4)),
         "a torus with a triangle listed twice": shuffled(random, repeated(ring(3, 4), 5)),
+        **large_numbers(random),
     }
 
 
 TIMES = (
     *((0, 108), (14, 58), (22, 6, 3, 0, 5), (0, 60), (0, 672), (0, 768)),
-    *((0, 102, 9), (0, 66, 9)),
+    *((0, 102, 9), (0, 66, 9), (6,), (6,)),
 )
 """The number of sides of these surfaces that belong to an edge of one, two, … triangles."""
 
@@ -234,10 +259,14 @@ def euler_inputs(seed: int) -> tuple[Call, ...]:
             (spare[1],),
             "a sphere with two holes, and vertices that no triangle has",
         ),
+        *(
+            Call("euler_characteristic", (triangles,), case)
+            for case, (_, triangles) in large_numbers(random).items()
+        ),
     )
 
 
-CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 1, 1, 2, 4, 0)
+CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 1, 1, 2, 4, 0, 2, 2)
 
 
 @law("χ must be that of the surface: 2 for a sphere, 0 for a torus, 1 for a sheet; parts add up.")
@@ -265,12 +294,20 @@ def loop_inputs(seed: int) -> tuple[Call, ...]:
         "two spheres that share an edge": fused(joined(*2 * [ball(2, 5)]), (0, 12), (1, 13)),
         "a sheet with a long boundary": sheet(9, 11),
         "a sphere with a wall inside, and a hole that meets its edge": without(walled(), 0),
+        "a sheet, and a triangle listed twice": joined(sheet(1, 2), repeated(TRIANGLE, 0)),
+        "a sheet with all triangles listed twice, and a sphere with a hole": joined(
+            repeated(sheet(1, 2), *range(4)), without(ball(2, 4), 0)
+        ),
     }
     made = {case: shuffled(random, surface, 3) for case, surface in surfaces.items()}
+    made |= large_numbers(random)
     return tuple(Call("boundary_loops", (len(p), t), case) for case, (p, t) in made.items())
 
 
-LENGTHS = ((14,), (3, 4), (6, 6), (12,), (), (8, 8), (), (3,), (), (40,), (3,))
+LENGTHS = (
+    *((14,), (3, 4), (6, 6), (12,), (), (8, 8), (), (3,), (), (40,), (3,)),
+    *((6,), (3,), (3, 3), (3, 3)),
+)
 
 
 @law(
@@ -300,12 +337,21 @@ def fan_inputs(seed: int) -> tuple[Call, ...]:
         "a torus that touches itself in a vertex": fused(ring(6, 8), (0, 28)),
         "two sheets that share a corner": fused(joined(sheet(2, 2), sheet(1, 3)), (8, 9)),
         "the pages of a book": book(4),
+        "a sphere with merged poles": fused(ball(2, 5), (10, 11)),
+        "a ring of three triangles": (
+            random.normal(size=(6, 3)),
+            np.array([[0, 1, 2], [2, 3, 4], [4, 5, 0]]),
+        ),
     }
     made = {case: shuffled(random, surface, 2) for case, surface in surfaces.items()}
+    made |= large_numbers(random)
     return tuple(Call("fans", (len(p), t), case) for case, (p, t) in made.items())
 
 
-FANS = ((2, 20), (4, 33, 0, 1), (3, 18, 1), (3, 46, 1), (3, 15, 1), (2, 6))
+FANS = (
+    *((2, 20), (4, 33, 0, 1), (3, 18, 1), (3, 46, 1), (3, 15, 1), (2, 6)),
+    *((3, 10, 1), (2, 3, 3), (194, 6), (194, 6)),
+)
 """The number of vertices of these surfaces with zero fans, one fan, and so on."""
 
 

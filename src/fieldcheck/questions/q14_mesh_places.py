@@ -15,6 +15,7 @@ from fieldcheck.questions.q14_mesh_errors import (
     flipped,
     fused,
     joined,
+    large_numbers,
     ring,
     sheet,
     shuffled,
@@ -81,6 +82,7 @@ def weld_inputs(seed: int) -> tuple[Call, ...]:
         Call("weld", (BESIDE.astype(int), 5), "points that are an array of integers", exact=(0, 1)),
         Call("weld", (2.0**-30 * close, 0.0), "close points, and the tolerance zero", exact=(0,)),
         Call("weld", (copies(random, 60, 1e-3), 1e-3), "many points with near copies"),
+        Call("weld", (random.normal(size=(1, 2)), 0.3), "a single point in the plane"),
     )
 
 
@@ -138,10 +140,13 @@ def turn_inputs(seed: int) -> tuple[Call, ...]:
         calls.append(
             Call("turns", (points + random.uniform(-0.05, 0.05, points.shape), triangles), case)
         )
+    single = random.normal(size=(5, 3)), np.array([random.permutation(5)[:3]])
+    calls.append(Call("turns", single, "a single triangle"))
+    calls += [Call("turns", surface, case) for case, surface in large_numbers(random).items()]
     return tuple(calls)
 
 
-ONE_SIDED = (0, 0, 0, 0, 24, 0, 24, 0)
+ONE_SIDED = (0, 0, 0, 0, 24, 0, 24, 0, 0, 0, 0)
 """The number of triangles of these surfaces that belong to a one-sided part."""
 
 
@@ -263,6 +268,24 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
             "points that are an array of integers, with heights of exactly 2, the tolerance",
             exact=(0, 2),
         ),
+        Call(
+            "flat",
+            (points, named[::-1], 1e-3),
+            "the triangles in metres, in the opposite order",
+            exact=(0,),
+        ),
+        Call(
+            "flat",
+            (points[: small.size] + np.array([1e5, -2e5, 1e5]), small, 1e-3),
+            "triangles far from the origin",
+        ),
+        *(
+            Call("flat", (thin(random, *numbers, 1), np.array([[0, 1, 2]]), 1e-3), case)
+            for numbers, case in (
+                ((1, 5e-4, 0.4), "a single flat triangle"),
+                ((1, 3e-3, 0.6), "a single triangle that is not flat"),
+            )
+        ),
     )
 
 
@@ -276,6 +299,10 @@ FLAT = (
     (0, 1, 1, 1, 0),
     (1, 0, 1, 1),
     (1, 0, 1, 1),
+    (*FLAT_OF_HEIGHTS, 1, 1, 1, 0)[::-1],
+    FLAT_OF_HEIGHTS,
+    (1,),
+    (0,),
 )
 
 
@@ -336,6 +363,8 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
         )
         corners = np.tile(triangle, (len(start), 1, 1))
         calls.append(Call("pierced", (start, end, corners), case, exact=(0, 1, 2)))
+    for k, case in ((0, "a single segment"), (4, "a single segment beside its triangle")):
+        calls.append(Call("pierced", tuple(a[[k]] for a in calls[0].arguments), case))
     return tuple(calls)
 
 
@@ -345,7 +374,7 @@ TO = ((1, 1, -2), (1, 1, 3), (1, 2, 0), (6, 7, 0), (5, 1, -2), (1, 2, 1), (-1, -
 """Ends of segments about this triangle."""
 THROUGH_OR_NOT = (1, 1, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 1, 0)
 IN_THE_PLANE_OR_NOT = (1, 0, 0, 0, 0, 0, 0, 1)
-GOES_THROUGH = (*2 * (THROUGH_OR_NOT,), *2 * (IN_THE_PLANE_OR_NOT,))
+GOES_THROUGH = (*2 * (THROUGH_OR_NOT,), *2 * (IN_THE_PLANE_OR_NOT,), (1,), (0,))
 
 
 @law(

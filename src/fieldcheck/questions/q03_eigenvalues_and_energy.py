@@ -1,0 +1,140 @@
+"""Questions of notebook 03 on the eigenvalues of the matrix, and on the bending energy."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.question import Question, law, law_of_each, relative
+from fieldcheck.questions.q03_radial_basis_functions import (
+    TINY,
+    at_distance_one,
+    cloud,
+)
+from fieldcheck.variants import one_changed
+
+# 03.5 The signs of the eigenvalues
+
+
+def inertia_inputs(seed: int) -> tuple[Call, ...]:
+    """Return points in general position, on a line, with a repeated point, in several units."""
+    random = np.random.default_rng(seed)
+    plane, space, twice = cloud(random, 9, 2), cloud(random, 8, 3), cloud(random, 6, 2)
+    turn = random.uniform(0, np.pi)
+    line = 10 * np.outer(cloud(random, 25, 1), [np.cos(turn), np.sin(turn)])
+    twice = np.concatenate([twice, twice[:1]])
+    cases = (
+        (plane, "nine points in the plane"),
+        (0.2 * space, "eight points in a small cube"),
+        (cloud(random, 4, 1), "four points on the line, in one dimension"),
+        (1e-3 * cloud(random, 9, 2), "nine points in a square of 0.001"),
+        (2e-5 * cloud(random, 8, 2), "eight points in a square of 0.00002"),
+        (1.2e-5 * cloud(random, 8, 3), "eight points in a cube of 0.000012"),
+        (cloud(random, 9, 2) * [1, 1e-12], "nine points within 10⁻¹² of a line"),
+        (cloud(random, 8, 3) * [1, 1, 1e-12], "eight points within 10⁻¹² of a plane"),
+        (integers(plane, 12), "nine points in the plane, integers"),
+        (integers(space, 12), "eight points in space, integers"),
+    )
+    exact = (
+        (line, "twenty-five points on one line of the plane"),
+        (line[:9], "nine points on one line of the plane"),
+        (twice, "seven points of which two are the same"),
+        (100 * twice, "seven points in a square of 100, of which two are the same"),
+    )
+    return (
+        *(Call("inertia", (points,), case) for points, case in cases),
+        *(Call("inertia", (points,), case, exact=(0,)) for points, case in exact),
+    )
+
+
+@law(
+    "The three numbers must add up to the number of rows. Since the diagonal is zero, the sum of "
+    "the eigenvalues is zero, so both signs must occur."
+)
+def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the number of eigenvalues that are not counted, or one if a sign is missing."""
+    lacking = (
+        abs(sum(c.arguments[0].shape) + 1 - v[0].sum()) + (v[0][:2] < 1).sum()
+        for c, v in zip(calls, values, strict=True)
+    )
+    return float(max(lacking))
+
+
+@law_of_each(
+    "There must be one zero eigenvalue for each independent affine field that vanishes at all "
+    "points, and one for each point that occurs a second time."
+)
+def is_singular_where_it_must(call: Call, values: Values) -> float:
+    """Return the difference between the number of zeros and the dimension of the null space."""
+    (counts,) = values
+    (points,) = call.arguments
+    repeated = len(points) - len(np.unique(points, axis=0))
+    flat = points.shape[1] - np.linalg.matrix_rank(points - points[0], tol=1e-9)
+    return abs(float(counts[2]) - repeated - flat)
+
+
+# 03.7 The energy
+
+
+def energy_inputs(seed: int) -> tuple[Call, ...]:
+    """Return values, with an affine field added, tripled, and at scaled and rotated points."""
+    random = np.random.default_rng(seed)
+    points, values = cloud(random, 10, 2), random.normal(size=10)
+    tilt = 2 - points[:, 0] + 3 * points[:, 1]
+    turned = 2 * np.stack([points[:, 1], -points[:, 0]], axis=1) + 1
+    calls = calls_of(
+        "energy",
+        ((points, values), "ten points with random values"),
+        ((points, values + tilt), "the same with an affine field added"),
+        ((points, 3 * values), "values three times as large"),
+        ((turned, values), "points twice as far apart, and rotated"),
+        ((integers(points, 100), integers(values)), "ten points and values, integers"),
+        ((integers(cloud(random, 9, 2), 100), values[:9]), "nine points, integers"),
+        ((points, TINY * values), "values of size 10⁻¹⁰"),
+        ((cloud(random, 8, 2), TINY * values[:8]), "eight points, values of size 10⁻¹⁰"),
+    )
+    exact = (
+        (at_distance_one(random, 2), "a point and four neighbours at distance one"),
+        (at_distance_one(random, 2)[:4], "a point and three neighbours at distance one"),
+    )
+    return (
+        *calls,
+        *(
+            Call("energy", (points, random.normal(size=len(points))), case, exact=(0,))
+            for points, case in exact
+        ),
+        *(
+            other
+            for call in (calls[0], calls[5])
+            for other in one_changed(
+                call,
+                ("other coordinates", cloud(random, *call.arguments[0].shape)),
+                ("other values", random.normal(size=len(call.arguments[1]))),
+            )
+        ),
+    )
+
+
+@law(
+    "Adding an affine field must not change the energy. Three times the values must have nine "
+    "times the energy. Points twice as far apart must have a quarter of it."
+)
+def has_the_bending_energy(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the deviation of the energies from e, e, 9e and e/4."""
+    e = np.array([v[0] for v in values[:4]])
+    return max(relative(e - e[0] * np.array([1, 1, 9, 0.25]), e), float(e[0] <= 0))
+
+
+QUESTIONS = (
+    Question(
+        "03.5",
+        "inertia",
+        2,
+        inertia_inputs,
+        lambda _: ((3,),),
+        (counts_all_and_both_signs, is_singular_where_it_must),
+    ),
+    Question("03.7", "energy", 2, energy_inputs, lambda _: ((),), (has_the_bending_energy,)),
+)

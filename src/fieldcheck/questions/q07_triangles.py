@@ -1,0 +1,150 @@
+"""Questions of notebook 07 on the hexagon, the circumcentre and the area of a triangle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.question import Law, Question, law_of_each, relative
+from fieldcheck.simplices import (
+    is_equally_far,
+    is_halved,
+    moved_far_away,
+    relative_to_a_corner,
+    tolerance_far_away,
+)
+
+# 07.1 The hexagon
+
+
+def hexagon_inputs(seed: int) -> tuple[Call, ...]:
+    """Return centres, radii and angles; each coordinate and the angle have both signs."""
+    random = np.random.default_rng(seed)
+    large = random.uniform(-90, 90, 2), random.uniform(20, 40), random.uniform(3.5, 6)
+    tiny = random.uniform(-1e-7, 1e-7, 2), random.uniform(1e-7, 2e-7), -random.uniform(3.5, 6)
+    small, clockwise, another = (
+        (random.uniform(1, 2, 2) * signs, random.uniform(*radius), turn)
+        for signs, radius, turn in (
+            ((1, -1), (0.6, 0.9), random.uniform(0.2, 0.9)),
+            ((-1, 1), (1.5, 2.5), -random.uniform(0.2, 0.9)),
+            ((-1, -1), (0.9, 1.5), -random.uniform(0.2, 0.9)),
+        )
+    )
+    return calls_of(
+        "hexagon",
+        (small, "a small hexagon"),
+        (clockwise, "a large hexagon, turned clockwise"),
+        (another, "another hexagon, turned clockwise"),
+        (large, "a radius of more than 20, turned by more than half a turn"),
+        (tiny, "a radius of the size 10⁻⁷, turned clockwise by more than half a turn"),
+        (
+            (random.integers(1, 9, 2) * [1, -1], *small[1:]),
+            "the first hexagon, a centre of integers",
+        ),
+        (
+            (random.integers(1, 9, 2) * [-1, 1], *clockwise[1:]),
+            "the second hexagon, a centre of integers",
+        ),
+    )
+
+
+@law_of_each(
+    "All sides and spokes of a regular hexagon must be as long as its radius, and its corners must "
+    "be spread evenly around its centre."
+)
+def has_equal_sides(call: Call, values: Values) -> float:
+    """Return the deviation of spokes and sides from the radius, and of their sum from zero."""
+    (rim,) = values
+    center, radius, _ = call.arguments
+    lengths = [*np.hypot(*(rim - center).T), *np.hypot(*(rim - np.array([*rim[1:], rim[0]])).T)]
+    return max(
+        relative(np.array(lengths) - radius, radius), relative(rim.sum(axis=0) - 6 * center, rim)
+    )
+
+
+# 07.2 and 07.3 Circumcentre and area
+
+
+def triangles(name: str, seed: int) -> tuple[Call, ...]:
+    """Return a triangle, the same with two corners exchanged, half of it, and others.
+
+    In two of them the products (b₁ − a₁)(c₂ − a₂) and (b₂ − a₂)(c₁ − a₁) have different signs.
+    """
+    random = np.random.default_rng(seed)
+    a, b, c = (
+        np.array([[0.0, 0.0], [2.0, 0.3], [0.7, 1.6]])
+        + random.uniform(-0.3, 0.3, (3, 2))
+        + [1.5, -2.5]
+    )
+    far = a + (b - a) * 2.5 + 0.4 * (c - a)
+    upwards, sideways = np.array([[0.0, 1.5], [1.2, 0.0]])
+    return calls_of(
+        name,
+        ((a, b, c), "a triangle"),
+        ((a, c, b), "the same triangle, listed the other way round"),
+        ((a, b, (b + c) / 2), "half of the triangle"),
+        ((b, a, far), "an obtuse triangle, clockwise"),
+        ((1e-9 * a, 1e-9 * c, 1e-9 * b), "a triangle of the size 10⁻⁹"),
+        *(
+            (
+                tuple(np.roll([a, a + upwards, a + sideways], k, axis=0)),
+                f"two sides along the axes, {words}",
+            )
+            for k, words in enumerate(("from a", "from b", "from c"))
+        ),
+        (tuple(integers(p) for p in (a, b, c)), "a triangle of integers"),
+        (tuple(integers(p) for p in (b, a, far)), "an obtuse triangle of integers"),
+        *(
+            ((a, *(a + steps + random.uniform(-0.2, 0.2, (2, 2)))), case)
+            for steps, case in (
+                ([[1.4, 0.6], [-0.7, 1.3]], "a triangle whose lowest corner is a"),
+                ([[1.3, 0.6], [0.6, -1.2]], "a triangle whose leftmost corner is a"),
+            )
+        ),
+        ((1e-8 * b, 1e-8 * a, 1e-8 * far), "an obtuse triangle of the size 10⁻⁸"),
+    )
+
+
+def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
+    """Return the triangles, two of them far from the origin, and two of them made thin."""
+    near = triangles("circumcenter", seed)
+    flat, narrow = (
+        [part * scale for part in near[3].arguments] for scale in ([1, 0.02], [0.02, 1])
+    )
+    thin = calls_of(
+        "circumcenter",
+        (tuple(flat), "a flat triangle"),
+        (tuple(narrow), "a narrow triangle"),
+    )
+    cases = ("the first triangle, far from the origin", "an obtuse triangle far from the origin")
+    return near + moved_far_away((near[0], near[3]), cases) + thin
+
+
+AREA_IS_HALVED = Law(
+    "An area must be positive and must not depend on the order of the corners. A line from a "
+    "corner to the middle of the opposite side must cut it in half.",
+    is_halved,
+)
+
+
+QUESTIONS = (
+    Question("07.1", "hexagon", 1, hexagon_inputs, lambda _: ((6, 2),), (has_equal_sides,)),
+    Question(
+        "07.2",
+        "circumcenter",
+        2,
+        circumcenter_inputs,
+        lambda _: ((2,),),
+        (is_equally_far,),
+        tolerance_far_away,
+        relative_to_a_corner,
+    ),
+    Question(
+        "07.3",
+        "area",
+        1,
+        lambda seed: triangles("area", seed),
+        lambda _: ((),),
+        (AREA_IS_HALVED,),
+    ),
+)
