@@ -31,6 +31,8 @@
 # Each question asks for a function. Write it, run its cell, and run the check below it. The check
 # reports whether the function is right and, if it is not, which mistake is likely. Then `case()`,
 # in a new cell, shows the inputs for which your function failed, your values, and the right values.
+# A function must not change its arguments. In all notebooks arrays may hold integers, as
+# `np.array([1, 2])` does; `x.astype(float)` is an array of real numbers.
 
 # %% tags=["setup"]
 import numpy as np

@@ -26,7 +26,7 @@
 # able to explain both.
 #
 # Notebook 05 reconstructs velocities at vertices from the same data. **Sources**: the lecture
-# slides "Field Reconstruction" by K. Erleben, pages 23–25 and 44; for the last part P.-A. Raviart
+# slides "Field Reconstruction" by K. Erleben, pages 23–26 and 44; for the last part P.-A. Raviart
 # and J.-M. Thomas, *A mixed finite element method for 2nd order elliptic problems* (1977). **To
 # search for**: least squares, outward normal, circumcentre, symmedian point (Lemoine point),
 # discrete divergence, Raviart–Thomas element.
@@ -214,8 +214,8 @@ check("06.1")
 #
 # <details><summary>Hint</summary>
 #
-# NumPy has a function for least squares. The normal equations of notebook 01 are another way, and
-# here a good one: the matrix has two columns of length about one.
+# NumPy has a function for least squares. The normal equations of notebook 01 are another way.
+# They lose more digits, the flatter the triangle is.
 #
 # </details>
 

@@ -182,9 +182,8 @@ omega_by_hand = np.where(cube[:, 0] > 0, 3, 1) / 16
 print("sum", omega_by_hand.sum(), "and mean of the corners", omega_by_hand @ cube)
 
 # %% [markdown]
-# Here is a finished function of the kind that you will write. It subtracts the first corner before
-# it multiplies, so that it keeps its accuracy far from the origin, and it works for both orders of
-# the corners.
+# Here is a finished function of the kind that you will write. It works with differences of points,
+# so it keeps its accuracy far from the origin.
 
 
 # %%

@@ -22,6 +22,9 @@ TIMEOUT_FACTOR = 4.0
 NOT_RECOGNISABLE = ("missing", "unwritten", "endless", "modified", "slow")
 """Failures that are reported as they are; the values of a slow answer are right."""
 
+IN_PLACE = " An array of integers takes no decimals, not even by `-=`; `x.astype(float)` does."
+"""What to do about NumPy's error, which does not say it in these words."""
+
 
 def judge(
     question: Question,
@@ -108,7 +111,8 @@ def _form(question: Question, call: Call, outcome: Outcome) -> Iterator[tuple[Fi
         yield "unwritten", f"Write {name}, run its cell, and then this one again."
     elif outcome.status == "raised":
         place = f" It arises in {outcome.line}." if outcome.line else ""
-        yield "exception", f"For {call.case}, {name} stops with {outcome.error}.{place}"
+        advice = IN_PLACE if "Cannot cast ufunc" in outcome.error else ""
+        yield "exception", f"For {call.case}, {name} stops with {outcome.error}.{place}{advice}"
     elif outcome.status == "timed out":
         yield "endless", f"For {call.case}, {name} was stopped after {outcome.seconds:.0f} seconds."
     elif outcome.values is None:

@@ -72,6 +72,12 @@ def in_place(x):
     return x
 
 
+def decimals_in_place(x):
+    y = x.astype(int)
+    y *= 2.5
+    return y
+
+
 def last_wrong(x):
     y = 2 * x
     y[-1] += 1
@@ -84,6 +90,11 @@ def last_wrong(x):
         (None, "missing", "There is no function twice"),
         (unwritten, "unwritten", "Write twice"),
         (raises, "exception", "twice stops with ValueError: no such thing. It arises in line"),
+        (
+            decimals_in_place,
+            "exception",
+            r"An array of integers takes no decimals, not even by `-=`",
+        ),
         (lambda _: None, "type", "nothing \\(None\\), as a function without `return` does"),
         (lambda _: "two", "type", "an object of type str"),
         (lambda _: [[1], [[1], 2]], "type", "not a rectangular array"),
