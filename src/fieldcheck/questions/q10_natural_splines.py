@@ -382,10 +382,10 @@ def b_spline_inputs(seed: int) -> tuple[Call, ...]:
         Call("b_splines", fine, "ten knots 10⁻¹³ apart, two of them the same", exact=(0, 2))
     )
     whole = whole_line(random, 7)
-    numbers = whole, 3, np.append(random.integers(whole[0] - 2, whole[-1] + 3, 9), whole[[2, -1]])
+    numbers = whole, 1, np.append(random.integers(whole[0] - 2, whole[-1] + 3, 9), whole[[2, -1]])
     return (
         *calls,
-        Call("b_splines", numbers, "seven knots and points, integers, and the degree 3"),
+        Call("b_splines", numbers, "seven knots and points, integers, and the degree 1"),
     )
 
 

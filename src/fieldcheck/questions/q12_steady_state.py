@@ -59,7 +59,10 @@ def iterates_inputs(seed: int) -> tuple[Call, ...]:
         ((*one, 0.15, 240), "a section with 240 small steps"),
         ((k, h, integers(rest), slope, 0.8, 4), "a chain of three nodes, its loads integers"),
         ((*one[:2], integers(one[2]), one[3], 0.5, 4), "a section, its loads integers"),
-        ((*whole, random.integers(1, 9, 2), np.eye(2, dtype=int), 0.5, 3), "all in whole numbers"),
+        (
+            (*whole, random.integers(1, 999, 2), np.eye(2, dtype=int), 0.5, 3),
+            "all in whole numbers",
+        ),
     ) + tuple(
         Call(name, (*critical(random, springs), omega, steps), case, exact=(0, 1, 3))
         for springs, omega, steps, case in (
