@@ -138,14 +138,14 @@ def test_the_check_command_refuses_a_misconception_that_depends_on_rounding(
 
 @pytest.mark.slow
 def test_collinear_inputs_must_be_declared_exact(monkeypatch):
-    """Otherwise the rank of collinear points changes with their last digits."""
+    """Otherwise a wrong rank of collinear points changes with their last digits."""
     question = get("01.4")
     inexact = replace(
         question, inputs=lambda seed: tuple(replace(c, exact=()) for c in question.inputs(seed))
     )
     monkeypatch.setattr(rounding_errors, "questions", lambda: {"01.4": inexact})
     assert any(
-        "'by differences' is judged wrong" in s
+        "'rounding counted' is judged wrong and no longer" in s
         for s in changes_under_perturbation(SOURCES["01"], "01.4")["01.4"]
     )
 
