@@ -67,7 +67,7 @@ def check(arguments: argparse.Namespace) -> int:
         places = Path(first, "report"), Path(second, "folder ", "report")
         with ThreadPoolExecutor() as both:
             messages = None, subprocess.PIPE
-            built = [*both.map(partial(_build, arguments), places, callers(), (1, 2), messages)]
+            built = [*both.map(partial(_build, arguments), places, callers(), (2, 3), messages)]
         differences = different(*built)
         count = len(_outputs(built[0]))
     for name in differences:
