@@ -1,4 +1,4 @@
-"""Each hostile case on each tier is graded fairly and affects nothing outside its sandbox."""
+"""Hostile cases are graded fairly and affect nothing outside, on each tier where they differ."""
 
 import os
 import sys
