@@ -1,6 +1,8 @@
 """Mistakes in notebook 14, each with the sentence that the student reads."""
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from fieldgrade.authoring.catalogue import answers
 
@@ -10,13 +12,10 @@ def sides(triangles):
 
 
 def parts(n, links):
-    label, changed = list(range(n)), True
-    while changed:
-        changed = False
-        for a, b in np.reshape(links, (-1, 2)).astype(int).tolist():
-            changed |= label[a] != label[b]
-            label[a] = label[b] = min(label[a], label[b])
-    return np.array(label)
+    links = np.reshape(links, (-1, 2)).astype(int)
+    graph = coo_array((np.ones(len(links)), links.T), shape=(n, n))
+    label = connected_components(graph, directed=False)[1]
+    return np.unique(label, return_index=True)[1][label]
 
 
 def counted(triangles, ends):

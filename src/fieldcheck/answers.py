@@ -7,7 +7,7 @@ neither its code nor the code of a solution is in this package.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -53,9 +53,10 @@ class Answers:
         self, question: Question, calls: Sequence[Call], outcomes: Sequence[Outcome]
     ) -> Mistake | None:
         """Return the mistake with the same values, within the tolerance, or None."""
-        distances = [self.distance(question, calls, outcomes, m.outcomes) for m in self.mistakes]
-        nearest = int(np.argmin(distances)) if distances else -1
-        return self.mistakes[nearest] if distances and distances[nearest] <= 1 else None
+        near = [m for m in self.mistakes if self._is_near(question, calls, outcomes, m.outcomes)]
+        return min(
+            near, key=lambda m: self.distance(question, calls, outcomes, m.outcomes), default=None
+        )
 
     def distance(
         self,
@@ -69,10 +70,33 @@ class Answers:
         It is infinite if one returned and the other did not, if the shapes differ, or if no call
         returned: an exception alone does not identify a mistake.
         """
-        made = zip(calls, outcomes, others, self.right, strict=True)
-        apart = [_distance(question, *each) for each in made]
-        returned = any(outcome.status == "returned" for outcome in outcomes)
-        return max(apart, default=np.inf) if returned else np.inf
+        apart = self._distances(question, calls, outcomes, others)
+        return max(apart, default=np.inf) if _any_returned(outcomes) else np.inf
+
+    def _is_near(
+        self,
+        question: Question,
+        calls: Sequence[Call],
+        outcomes: Sequence[Outcome],
+        others: Sequence[Outcome],
+    ) -> bool:
+        """Whether the distance is at most one; most answers are far at the first call already."""
+        apart = self._distances(question, calls, outcomes, others)
+        return _any_returned(outcomes) and all(d <= 1 for d in apart)
+
+    def _distances(
+        self,
+        question: Question,
+        calls: Sequence[Call],
+        outcomes: Sequence[Outcome],
+        others: Sequence[Outcome],
+    ) -> Iterator[float]:
+        for each in zip(calls, outcomes, others, self.right, strict=True):
+            yield _distance(question, *each)
+
+
+def _any_returned(outcomes: Sequence[Outcome]) -> bool:
+    return any(outcome.status == "returned" for outcome in outcomes)
 
 
 def _distance(question: Question, call: Call, one: Outcome, other: Outcome, right: Values) -> float:

@@ -23,21 +23,33 @@ def affine(points: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     return points @ slopes + 0.7
 
 
+def condition(points: np.ndarray) -> np.ndarray:
+    """Return the condition number of B with columns of length one, also for stacked sets of points.
+
+    Elimination does not depend on the scale of the columns.
+    """
+    b = np.concatenate([np.ones_like(points[..., :1]), points], axis=-1)
+    return np.asarray(np.linalg.cond(b / np.sqrt((b * b).sum(axis=-2, keepdims=True))))
+
+
 def rounding(points: np.ndarray, spread: float) -> float:
     """Return the rounding error of the normal equations; `spread` is the ratio of the weights.
 
     It is eps times the squared condition of WB, which is at most the spread times the condition of
-    B. The columns of B have length one here: elimination does not depend on their scale.
+    B. Of stacked sets of points it is that of the worst.
     """
-    b = np.pad(points, ((0, 0), (1, 0)), constant_values=1)
-    scaled = b / np.sqrt((b * b).sum(axis=0))
-    return 100 * EPS * float(spread * np.linalg.cond(scaled)) ** 2
+    return 100 * EPS * float(spread * condition(points).max()) ** 2
+
+
+def spread_of_weights(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
+    """Return a bound of the ratio of weights at evaluation points x: 1 + (R/ε)²."""
+    reach = float(np.ptp(np.concatenate([points, np.atleast_2d(x)]), axis=0).max())
+    return 1 + (reach / epsilon) ** 2
 
 
 def local_rounding(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
-    """Return the same at evaluation points x: the ratio of weights is at most 1 + (R/ε)²."""
-    reach = float(np.ptp(np.concatenate([points, np.atleast_2d(x)]), axis=0).max())
-    return rounding(points, 1 + (reach / epsilon) ** 2)
+    """Return the rounding error of the normal equations at evaluation points x."""
+    return rounding(points, spread_of_weights(points, x, epsilon))
 
 
 def corners(random: np.random.Generator, d: int) -> np.ndarray:

@@ -16,6 +16,8 @@ from fieldcheck.questions.q02_moving_least_squares import (
     local_rounding,
     other_coordinates,
     other_values,
+    rounding,
+    spread_of_weights,
     twice,
 )
 from fieldcheck.variants import one_changed
@@ -156,9 +158,8 @@ def affine_fields_leave_no_error(calls: Sequence[Call], values: Sequence[Values]
 def without_the_worst(call: Call) -> float:
     """Return the rounding error with one point left out, for the worst choice of the point."""
     points, _, epsilon = call.arguments
-    return max(
-        local_rounding(np.delete(points, i, axis=0), p, epsilon) for i, p in enumerate(points)
-    )
+    others = np.stack([np.delete(points, i, axis=0) for i in range(len(points))])
+    return rounding(others, spread_of_weights(points, points, epsilon))
 
 
 QUESTIONS = (

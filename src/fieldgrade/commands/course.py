@@ -112,9 +112,10 @@ def _check(options: argparse.Namespace) -> int:
     _print_banner(salt.secret)
     sources = _chosen(options, options.question[:2])
     todo = partial(_checked, salt=salt.text, only=options.question)
+    # the last notebooks take longest
     with ProcessPoolExecutor(cpu_count()) as pool, progress(pool.map, "graders") as each:
-        parts, baselines, changed = zip(*each(todo, sources), strict=True)
-    reports: list[GraderReport] = list(chain.from_iterable(parts))
+        parts, baselines, changed = zip(*each(todo, sources[::-1]), strict=True)
+    reports: list[GraderReport] = list(chain.from_iterable(parts[::-1]))
     baseline: Baseline = reduce(or_, baselines)
     runs = _runs(JudgeRequest(tuple(sources), salt.text, options.question, baseline.known))
     verdicts = ((f"with {setting.name}", found.verdicts) for setting, found in runs)

@@ -27,7 +27,7 @@ CHANGE = 1e-14
 """Relative change of the inputs: some fifty units in the last place."""
 DRAWS = 10
 STUDENTS = ("first", "second", "third")
-"""Students whose own and hidden inputs are tried."""
+"""Students whose own and hidden inputs are tried: of the others than the first, one draw."""
 
 TrialKey = tuple[str, str]
 """A question, and the name of a trial."""
@@ -69,8 +69,15 @@ class RoundingTest:
 
     def baseline(self) -> Baseline:
         """Return the known answers and the verdicts of this process."""
-        known = {place: trial.answers for place, trial in self.trials.items()}
+        known = {place: _with_mistakes(trial) for place, trial in self.trials.items()}
         return Baseline(known, self.verdicts(known))
+
+    def without(self, students: Iterable[str]) -> RoundingTest:
+        """Return the test without the own and hidden inputs of some students."""
+        ends = tuple(_of("", student) for student in students)
+        return replace(
+            self, trials={k: t for k, t in self.trials.items() if not k[1].endswith(ends)}
+        )
 
     def verdicts(self, known: Mapping[TrialKey, Answers], draw: int | None = None) -> Verdicts:
         """Judge each answer by known answers; with a `draw`, on perturbed inputs."""
@@ -100,22 +107,22 @@ def rounding_test(source: Source, salt: str, only: str = "") -> RoundingTest:
         tried[question.name, public.name] = public
         for student in STUDENTS:
             own = trials(question, functions, mistakes, hidden, student, salt, public)[1:]
-            tried |= {(question.name, f"{t.name} of the {student} student"): t for t in own}
+            tried |= {(question.name, _of(t.name, student)): t for t in own}
         answers[question.name] = {"the solution": None} | {
             f"the {kind} {entry.name!r}": entry
             for kind, found in (("right answer", others), ("mistake", mistakes))
             for entry in found
             if entry.question == question.name
         }
-    return RoundingTest(
-        functions, {place: _complete(trial) for place, trial in tried.items()}, answers
-    )
+    return RoundingTest(functions, tried, answers)
 
 
-def _complete(trial: Trial) -> Trial:
-    """Return a trial with the values of the mistakes."""
-    known = replace(trial.answers, mistakes=trial.mistakes() or trial.answers.mistakes)
-    return replace(trial, answers=known)
+def _of(inputs: str, student: str) -> str:
+    return f"{inputs} of the {student} student"
+
+
+def _with_mistakes(trial: Trial) -> Answers:
+    return replace(trial.answers, mistakes=trial.mistakes() or trial.answers.mistakes)
 
 
 def perturbed(calls: Iterable[Call], draw: int) -> tuple[Call, ...]:
@@ -161,9 +168,8 @@ def changes(before: Verdicts, runs: Iterable[tuple[str, Verdicts]]) -> Changes:
     """
     found: dict[tuple[str, str], list[str]] = {}
     for when, after in runs:
-        for (question, inputs, answer), verdict in before.items():
-            now = after[question, inputs, answer]
-            if now != verdict:
+        for (question, inputs, answer), now in after.items():
+            if now != (verdict := before[question, inputs, answer]):
                 sentence = f"{answer} is judged {now} and no longer {verdict} {when}: {inputs}"
                 found.setdefault((question, answer), []).append(sentence)
     summary: Changes = {}
@@ -177,8 +183,9 @@ def changes(before: Verdicts, runs: Iterable[tuple[str, Verdicts]]) -> Changes:
 
 def changes_of_draws(found: RoundingTest, baseline: Baseline) -> Changes:
     """Return the verdicts that change on perturbed inputs."""
+    tests = [found, *[found.without(STUDENTS[1:])] * (DRAWS - 1)]
     draws = (
-        (f"when the inputs change by {CHANGE:.0e} (draw {k})", found.verdicts(baseline.known, k))
-        for k in range(DRAWS)
+        (f"when the inputs change by {CHANGE:.0e} (draw {k})", test.verdicts(baseline.known, k))
+        for k, test in enumerate(tests)
     )
     return changes(baseline.verdicts, draws)

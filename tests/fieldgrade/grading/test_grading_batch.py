@@ -291,10 +291,11 @@ def test_with_one_digest_per_question_all_its_checks_are_repeated(edited, monkey
 @pytest.mark.slow
 def test_changed_points_do_not_repeat_any_check(small, tmp_path):
     """Points are applied to the cached verdicts."""
-    todo, _ = small
-    write_files(tmp_path / "class", {"points.csv": b"question,points\n01.2,30\n"})
+    todo = replace(small[0], tables=tmp_path / "class", out=tmp_path / "out")
+    shutil.copytree(small[0].out, todo.out)
+    write_files(todo.tables, {"points.csv": b"question,points\n01.2,30\n"})
     before = ledger(todo.out)
-    grading = graded(replace(todo, tables=tmp_path / "class"))
+    grading = graded(todo)
     assert ledger(todo.out) == before
     assert points(grading.results)["ada", "01.2"] == 30.0
     assert points(grading.results)["bob", "01.2"] == 0.0
