@@ -12,7 +12,6 @@ import pytest
 from matplotlib.figure import Figure
 
 from checkout import ROOT
-from fieldrecon.plotting.figure_files import figure_bytes
 from fieldreport import experiments
 from fieldreport.framework import result_files as files
 from fieldreport.framework.orders_of_magnitude import OrderOfMagnitude, order_of_magnitude
@@ -104,9 +103,16 @@ def test_its_result_is_reproduced_from_its_files(experiment, result, tmp_path):
     assert set(folder.iterdir()) == set(written)
 
 
+def pixels(page):
+    """The figure as it is drawn, in few pixels: that takes a third of the time of a file."""
+    page.set_dpi(40)
+    page.canvas.draw()
+    return bytes(page.canvas.buffer_rgba())
+
+
 @pytest.mark.slow
 def test_its_figures_depend_on_its_result_only(experiment, result, tmp_path):
-    """Figures from a result read from files have the same bytes as from the original result."""
+    """Figures from a result read from files have the same pixels as from the original result."""
     folder = tmp_path / experiment.name
     files.write_result(result, folder)
     back = files.read_result(folder, experiment)
@@ -115,7 +121,7 @@ def test_its_figures_depend_on_its_result_only(experiment, result, tmp_path):
         page = plot(back)
         assert isinstance(page, Figure), name
         assert page.axes, name
-        assert figure_bytes(page, "svg") == figure_bytes(plot(result), "svg"), name
+        assert pixels(page) == pixels(plot(result)), name
 
 
 def test_the_title_read_from_the_source_agrees_with_the_import(experiment):

@@ -54,6 +54,8 @@ FAMILIES = {
 # How a file is read, which of its definitions are answers, and what the grader makes of replies and
 # requests: the same code on all tiers. Of each family the first case is tried on all.
 SAME_ON_ALL_TIERS = ("damage", "name", "stub", "block", "not reached", "cheat", "given", "oddity")
+# What code may read and import is restricted by sandboxes only, by each in its own way.
+RESTRICTED = ("import", "helper", "Jupyter", "beside", "no file", "font", "fallback", "scratch")
 HONEST = as_file(notebook())
 EMPTY_HOME = """
 import os
@@ -62,12 +64,20 @@ assert os.listdir(".") == [] and os.listdir("..") == [os.path.basename(os.getcwd
 HONEST_IN_AN_EMPTY_HOME = Case("an empty home", before=EMPTY_HOME).submitted_file({})
 
 
+def tiers_of(family, index):
+    """The tiers of this machine on which a case of a family is tried."""
+    if index == 0:
+        return HERE
+    if family in SAME_ON_ALL_TIERS:
+        return HERE[:1]
+    return [t for t in HERE if t in SANDBOXED] or HERE if family in RESTRICTED else HERE
+
+
 def cases():
     """All cases on the tiers of this machine, marked slow except one of each family."""
     for family, its in FAMILIES.items():
         for index, case in enumerate(its):
-            here = HERE[:1] if index and family in SAME_ON_ALL_TIERS else HERE
-            for tier in (tier for tier in here if tier in case.tiers):
+            for tier in (tier for tier in tiers_of(family, index) if tier in case.tiers):
                 quick = index == 0 and tier == HERE[0]
                 marks = () if quick else (pytest.mark.slow,)
                 yield pytest.param(case, tier, id=f"{family}: {case.name}, {tier}", marks=marks)
