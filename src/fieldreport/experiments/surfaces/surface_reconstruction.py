@@ -21,6 +21,7 @@ from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap, to_rgba
 from matplotlib.figure import Figure
 from scipy.spatial import cKDTree
 
@@ -320,6 +321,10 @@ def ellipsoid(n: int) -> tuple[np.ndarray, np.ndarray]:
 SHOWN = ("with noise", "with holes", "in shadow", "with strays and copies")
 FROM_ABOVE = np.array([0.35, -0.75, 0.8])
 _HEIGHTS = 3.0  # vertical exaggeration: the relief is flat
+_FAINTER = LinearSegmentedColormap.from_list(
+    "fainter", [to_rgba("#2a78bb"), to_rgba("#2a78bb", 0.3)]
+)
+"""A colour that is visible on a white and on a dark page, from opaque to faint."""
 
 
 def plot(result: Result) -> Figure:
@@ -425,7 +430,7 @@ def _alike(panels: np.ndarray) -> None:
 
 
 def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
-    """Draw points; points at the back are lighter."""
+    """Draw points; points at the back are fainter."""
     points, triangles = (result.arrays[f"{name}:{what}"] for what in ("points", "triangles"))
     picture = MeshPicture(points, triangles, TOWARD, 40)
     x, y, depth = (result.arrays[f"{name}:cloud"] @ picture.axes).T
@@ -434,11 +439,9 @@ def _cloud(panel: Axes, result: Result, name: str, size: float) -> None:
         x[order],
         y[order],
         c=-depth[order],
-        cmap="Greys_r",
+        cmap=_FAINTER,
         s=size,
         linewidths=0,
-        vmin=-depth.max(),
-        vmax=-2.2 * depth.min(),
         rasterized=True,
     )
     panel.set(aspect="equal")
