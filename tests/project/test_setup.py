@@ -323,26 +323,6 @@ def test_a_chosen_python_that_does_not_run_is_reported(machine):
     assert sentence == "PYTHON=python9 does not run; type: make PYTHON=/path/to/python3.11"
 
 
-@pytest.mark.slow
-def test_the_pinned_packages_install(tmp_path):
-    """Real packages are installed into a copy of this checkout, which then works by itself."""
-    copy = tmp_path / "the copy"
-    skip = shutil.ignore_patterns(".*", "build", "__pycache__", "*.egg-info")
-    shutil.copytree(ROOT, copy, ignore=skip)
-    environment = {k: v for k, v in os.environ.items() if k not in ("MAKEFLAGS", "MAKELEVEL")}
-    environment["PYTHON"] = sys.executable
-    subprocess.run(["make", ".venv/ready"], cwd=copy, env=environment, check=True)
-    question = "import fieldrecon, uv; from importlib.metadata import version; "
-    question += "print(fieldrecon.__file__, version('uv'), sep='\\n')"
-    command = [copy / ".venv" / "bin" / "python", "-I", "-c", question]
-    folder = (copy / "src" / "fieldrecon").stat()
-    answer = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    assert (copy / "src" / "fieldrecon").stat().st_mtime_ns == folder.st_mtime_ns
-    module, version = answer.splitlines()
-    assert Path(module) == (copy / "src" / "fieldrecon" / "__init__.py").resolve()
-    assert pins(ROOT / "requirements-setup.lock")["uv"][0].startswith(f"uv=={version} ")
-
-
 # --- the lock files ---------------------------------------------------------------------------
 
 
