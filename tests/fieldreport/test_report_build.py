@@ -151,6 +151,43 @@ class TestOutdatedSteps:
         assert built.build() == 0
         assert not (built.out / "experiments" / "fake_b").exists()
 
+    def test_files_of_others_stay_and_stop_nothing(self, built):
+        """Also those beside results and figures, and in the folder of a removed experiment."""
+        results = built.out / "experiments"
+        names = (
+            ".DS_Store",
+            "mine/thesis.txt",
+            "mine/deep/er.txt",
+            "fake_b/mine.svg",
+            "fake_b/a.txt",
+        )
+        others = [results / name for name in names] + [built.out / "widgets" / "mine.json"]
+        for path in others:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text("mine")
+        (built.code / "fake_b.py").unlink()
+        assert built.build() == 0
+        assert [path.read_text() for path in others] == ["mine"] * len(others)
+        left = [path.name for path in (results / "fake_b").iterdir()]
+        assert sorted(left) == ["a.txt", "mine.svg"]
+
+    def test_a_typing_error_is_told_before_anything_runs(self, report, capfd):
+        """The message has file and line; names of facts are known once the experiment has run."""
+        report.write_chapter("As in @nobody1900.")
+        assert report.build() == 1
+        assert report.did() == []
+        assert re.search(
+            r"chapters/01-all\.md:\d+: references\.bib has no work", capfd.readouterr().err
+        )
+        report.write_chapter()
+        assert report.build() == 0
+        report.did()
+        report.write_chapter("It is {{fake_a.smal:.1e}}.")
+        report.write_experiment("fake_b", "SCALE = 1.0", "SCALE = 2.0")
+        assert report.build() == 1
+        assert report.did() == []
+        assert "fake_a has no fact smal" in capfd.readouterr().err
+
     @pytest.mark.slow
     def test_option_only_builds_one_experiment(self, report):
         """Other experiments and the text are not built."""

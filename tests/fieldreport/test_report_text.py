@@ -417,6 +417,13 @@ def test_an_unknown_citation_stops_the_build(text):
         text.convert("# A {#sec:a}\n\nAs in @nobody1900.\n")
 
 
+def test_an_unknown_macro_of_tex_has_its_file_and_line(text):
+    """Also in a formula that is shown, and with a number that is filled in."""
+    for formula in (r"$a \nowhere{b}$", r"$$ x + \nowhere $$", r"$\nowhere {{bumps.ratio:.1f}}$"):
+        with pytest.raises(BuildError, match=r"chapters/01-all\.md:3: \\nowhere is no TeX"):
+            text.convert(f"# A {{#sec:a}}\n\nAs {formula}.\n")
+
+
 def test_embedded_fonts_contain_the_characters_of_the_page(page):
     """A character that no font contains is refused by name."""
     mathematics, letters = code_points(page)

@@ -79,10 +79,10 @@ Errors for $\\varepsilon = {{{{fake_a.params.epsilon}}}}$.
 :::
 
 {body}
+"""
+REFERENCES = """# References {#sec:refs .unnumbered}
 
-# References {{#sec:refs .unnumbered}}
-
-::: {{#refs}}
+::: {#refs}
 :::
 """
 
@@ -116,9 +116,10 @@ class SmallReport:
         (self.code / f"{name}.py").write_text(text)
 
     def write_chapter(self, body: str = "") -> None:
-        """Write the only chapter, with an additional paragraph."""
+        """Write the only chapter, with an additional paragraph, and the references."""
         (self.source / "chapters").mkdir(exist_ok=True)
         (self.source / "chapters" / "01-all.md").write_text(CHAPTER.format(body=body))
+        (self.source / "chapters" / "99-references.md").write_text(REFERENCES)
 
     def build(self, *options: str) -> int:
         """Build with cleared caches, as in a new process, and return the exit status."""

@@ -13,6 +13,7 @@ from fieldrecon._core.atomic_files import TEMPORARY, write_atomically
 from fieldrecon._core.digests import json_digest
 from fieldrecon.cli.progress import Bar
 from fieldreport.build import screen_files, up_to_date, widgets
+from fieldreport.build.chapter_checks import errors_in
 from fieldreport.build.chapter_pages import write_pages
 from fieldreport.build.code_dependencies import code_digests, statement_cache
 from fieldreport.build.errors import BuildError
@@ -23,7 +24,7 @@ from fieldreport.build.source_date import source_date
 from fieldreport.build.step_records import Steps, content_digest, digests
 from fieldreport.build.typesetting import Document, unquoted_facts
 from fieldreport.framework.names import no_such
-from fieldreport.framework.result_files import read_result
+from fieldreport.framework.result_files import fact_names, read_result
 
 
 def build(arguments: argparse.Namespace) -> None:
@@ -45,15 +46,33 @@ def build(arguments: argparse.Namespace) -> None:
         _sweep(out)
         steps = Steps(out)
         jobs = jobs_of(settings, out / "experiments")
+        _check_chapters(document, jobs, steps)
         read = {path: content_digest(path) for job in jobs for path in job.inputs()}
         chosen = _chosen(jobs, arguments.only)
         compute(chosen, steps, max(1, min(arguments.jobs, len(chosen))), progress)
         if not arguments.only:
-            _remove_others(jobs, out / "experiments")
+            _remove_others(jobs, steps)
             shown = screen_files.compute(jobs, steps, max(1, arguments.jobs), progress)
             shown += widgets.compute(living, jobs, steps, progress)
             _finish(document, jobs, shown, steps, progress)
             up_to_date.record(steps, key, read)
+
+
+def _check_chapters(document: Document, jobs: list[ExperimentJob], steps: Steps) -> None:
+    """Stop the build at typing errors in the chapters, before an experiment runs.
+
+    The facts of an experiment are known if its result is up to date.
+    """
+    quotable = {job.name: _quotable(job, steps) for job in jobs}
+    found = list(errors_in(document.chapters, document.source / "references.bib", quotable))
+    if found:
+        raise BuildError("\n".join(f"{document.source.name}/{line}" for line in found))
+
+
+def _quotable(job: ExperimentJob, steps: Steps) -> set[str]:
+    params = {f"params.{name}" for name in asdict(job.params)}
+    done = steps.done(f"run-{job.name}", job.run_key())
+    return params | (fact_names(job.folder) if done else set())
 
 
 def _finish(
@@ -157,9 +176,9 @@ def _sweep(out: Path) -> None:
                 path.unlink()
 
 
-def _remove_others(jobs: list[ExperimentJob], folder: Path) -> None:
-    """Remove the results of experiments that no longer exist."""
-    for stale in set(folder.iterdir()) - {job.folder for job in jobs}:
-        for file in stale.iterdir():
-            file.unlink()
-        stale.rmdir()
+def _remove_others(jobs: list[ExperimentJob], steps: Steps) -> None:
+    """Remove the results and figures that earlier builds made and this one does not."""
+    figures = [figure for job in jobs for figure in job.experiment.plots]
+    steps.keep_only("run", [job.name for job in jobs])
+    steps.keep_only("draw", figures)
+    steps.keep_only("screen", figures)

@@ -145,11 +145,8 @@ def _start(job: ExperimentJob, steps: Steps, pool: Executor, progress: Any) -> d
 
 
 def _start_figures(job: ExperimentJob, steps: Steps, pool: Executor, progress: Any) -> dict:
-    """Submit the figures of a job that changed, and remove those that it no longer draws."""
+    """Submit the figures of a job that changed."""
     work = {}
-    current = {job.figure_file(figure) for figure in job.experiment.plots}
-    for stale in set(job.folder.glob(f"*.{FORMAT}")) - current:
-        stale.unlink()
     for figure, plot in job.experiment.plots.items():
         key = job.figure_key(plot)
         if not steps.done(f"draw-{figure}", key):

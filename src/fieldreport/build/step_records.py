@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -69,6 +70,20 @@ class Steps:
         inputs = {str(path): content for path, content in read.items()}
         note = {"key": key, "made": digests(made, self.out), "read": inputs}
         write_atomically(self._note(step), json.dumps(note, indent=1).encode())
+
+    def keep_only(self, kind: str, steps: Iterable[str]) -> None:
+        """Remove the outputs and the records of all other steps whose names begin with a kind.
+
+        Files that no step made stay, and folders with such files.
+        """
+        wanted = {f"{kind}-{step}" for step in steps}
+        for note in (self.out / ".state").glob(f"{kind}-*.json"):
+            if note.stem not in wanted:
+                for path in self.made(note.stem):
+                    path.unlink(missing_ok=True)
+                    with suppress(OSError):  # there are other files
+                        path.parent.rmdir()
+                note.unlink()
 
     def _read(self, step: str) -> Any:
         return json.loads(self._note(step).read_text(encoding="utf-8"))

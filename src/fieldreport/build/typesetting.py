@@ -167,9 +167,16 @@ class Document:
     def _explained(self, stderr: str) -> str:
         """Return the errors of the filters with file and line, or else the message of pandoc."""
         lines = [line.split("\t") for line in stderr.splitlines() if line.startswith("PROBLEM\t")]
-        if not lines:
-            return f"pandoc: {stderr.strip()}"
-        return "\n".join(self._place(token) + message for _, message, token in lines)
+        if lines:
+            return "\n".join(self._place(token) + message for _, message, token in lines)
+        formulas = dict.fromkeys(WRONG_FORMULA.findall(stderr))
+        if formulas:
+            return "\n".join(
+                f"{self._place(formula) or self._place(what)}"
+                f"{what} is no TeX that pandoc knows, in the formula {formula}"
+                for formula, what in formulas
+            )
+        return f"pandoc: {stderr.strip()}"
 
     def _place(self, token: str) -> str:
         for path in self.chapters if token else ():
@@ -229,6 +236,12 @@ class Document:
         return element(path.read_text(encoding="utf-8"), path.stem, alt, width)
 
 
+WRONG_FORMULA = re.compile(
+    r"Could not convert TeX math\s+(.*?)\s*, rendering as TeX:"
+    r".*?unexpected (?:control sequence )?(\S+)",
+    re.S,
+)
+"""The formula and the part of it that pandoc does not understand."""
 UPRIGHT_NABLA = '<mi mathvariant="normal">∇</mi>'
 """Without this, a browser would slant the operator like a variable."""
 DARK = "@media screen and (prefers-color-scheme: dark) {{ :root {{ {0}}} }}\n"

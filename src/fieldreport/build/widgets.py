@@ -68,10 +68,8 @@ def compute(
                 path = write_atomically(data_file(steps.out, name), as_json(future.result()))
                 steps.record(f"widget-{name}", keys[name], [path])
                 progress.done(f"computed the living figure {name}")
-    made = [data_file(steps.out, name) for name in names]
-    for stale in set((steps.out / "widgets").glob("*.json")) - set(made):
-        stale.unlink()
-    return made
+    steps.keep_only("widget", names)
+    return [data_file(steps.out, name) for name in names]
 
 
 def _key(name: str, used: list[ExperimentJob]) -> str:

@@ -58,6 +58,11 @@ def read_result(folder: Path, experiment: Experiment) -> Result:
     )
 
 
+def fact_names(folder: Path) -> set[str]:
+    """Read the names of the facts of a result."""
+    return set(_read_json(folder / "facts.json"))
+
+
 def write_figures(
     experiment: Experiment,
     result: Result,
