@@ -32,7 +32,8 @@
 # reports whether the function is right and, if it is not, which mistake is likely. Then `case()`,
 # in a new cell, shows the inputs for which your function failed, your values, and the right values.
 # A function must not change its arguments. In all notebooks arrays may hold integers, as
-# `np.array([1, 2])` does; `x.astype(float)` is an array of real numbers.
+# `np.array([1, 2])` does; `x.astype(float)` is an array of real numbers. Compute with NumPy's
+# default type, float64; float32 has too few digits.
 
 # %% tags=["setup"]
 import numpy as np

@@ -49,6 +49,7 @@ from fieldcheck import (
     figure,
     progress,
     start_over,
+    terrain,
 )
 
 # %% [markdown]
@@ -383,6 +384,49 @@ def surface():
 
 # %% [markdown]
 # Inside its white boundary each dot must have the same colour as the field around it.
+#
+# ## Real data: heights of a landscape
+#
+# The file `fieldcheck/datasets/terrain.json` holds 3000 heights around Cross Mountain in
+# Tennessee. They were measured by the Shuttle Radar Topography Mission (public domain). `terrain()`
+# returns the points in kilometres and the heights in metres. Your field interpolates the heights at
+# the dots only. The error is measured at 500 other points, whose heights your functions never see.
+# The error shown is the root mean square.
+
+
+# %%
+@draw(number=Slider(50, 400, 180, "heights", whole=True))
+def landscape(number):
+    points, heights = terrain()
+    order = np.random.default_rng(1).permutation(len(points))
+    known, others = order[:number], order[-500:]
+    lam, c = coefficients(points[known], heights[known])
+    at_dots = evaluate(points[known], lam, c, points[known]) - heights[known]
+    elsewhere = evaluate(points[known], lam, c, points[others]) - heights[others]
+    dots, held_out = (np.sqrt(np.mean(error**2)) for error in (at_dots, elsewhere))
+    field = evaluate(points[known], lam, c, points)
+    x, y = np.unique(points[:, 0]), np.unique(points[:, 1])
+    with figure(6.8, 3.1) as page:
+        panels = page.subplots(1, 2, sharey=True)
+        page.suptitle(f"error: {dots:.1f} m at the dots, {held_out:.0f} m at 500 other points")
+        for axes, name, shown in zip(panels, ("measured", "your field"), (heights, field)):
+            grid = shown.reshape(len(y), len(x))
+            levels = np.linspace(200, 1100, 19)
+            image = axes.contourf(x, y, grid, levels, extend="both", cmap="terrain")
+            image.set_rasterized(True)
+            axes.set(title=name, aspect="equal", xlabel="km to the east")
+        panels[0].set(ylabel="km to the north")
+        panels[1].plot(*points[known].T, ".", ms=2, color="black")
+        page.colorbar(image, ax=list(panels), label="height in metres")
+    return page
+
+
+# %% [markdown]
+# **What to look at.** At the dots the error is only rounding, but this says nothing about the error
+# elsewhere. For comparison, a plane of least squares has an error of about 141 m at the same 500
+# points. Double the number of heights to 360: how much does the error decrease? Which landforms of
+# the left map are missing on the right one, and how far apart are the dots there? These heights
+# have little noise. If the noise were large, would you still interpolate them?
 #
 # ## The orthogonality constraints
 #

@@ -56,6 +56,7 @@ from fieldcheck import (
     figure,
     progress,
     start_over,
+    terrain,
 )
 
 # %% [markdown]
@@ -663,6 +664,66 @@ def towards_the_edge(along):
 # ten times smaller, the quotients lose another digit without a warning. The products are accurate
 # at every distance, and on the edge as well. They contain the same differences of nearly equal
 # numbers. Why does this do no harm in (7.10)?
+#
+# ## Real data: heights of a landscape
+#
+# The file `fieldcheck/datasets/terrain.json` holds 3000 heights around Cross Mountain in
+# Tennessee. They were measured by the Shuttle Radar Topography Mission (public domain). `terrain()`
+# returns the points, the nodes of a grid, in kilometres and the heights in metres.
+#
+# The next picture covers most of the map with hexagons whose corners are nodes. Suppose that only
+# the heights at the corners are known. Your functions interpolate them in each cell, and the error
+# is measured at all other nodes. Many of these are on an edge, so the picture uses
+# `safe_coordinates`. The hexagons on the map are slightly narrower than regular ones. Stretching a
+# cell changes none of the coordinates, so your functions compute them in a regular hexagon.
+
+
+# %%
+@draw(size=Slider(1, 3, 2, "size of the cells", whole=True))
+def landscape(size):
+    points, heights = terrain()
+    x, y = np.unique(points[:, 0]), np.unique(points[:, 1])
+    measured = heights.reshape(len(y), len(x))
+    # A regular cell, and its corners and nodes, in steps of the grid from its centre.
+    rim = hexagon(np.zeros(2), np.sqrt(3), 0.0)
+    regular = circumcenters(np.zeros(2), rim)
+    steps = size * np.array([4 / np.sqrt(3), 2])
+    corner = np.rint(regular * steps).astype(int)
+    side = np.arange(-2 * size, 2 * size + 1)
+    node = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+    node = node[np.all(node / steps @ rim.T < 1.5 + 1e-9, axis=1)]
+    omega = safe_coordinates(np.zeros(2), rim, node / steps)
+    # All cells on the map.
+    yours, known, cells = np.full(measured.shape, np.nan), np.zeros(measured.shape, bool), []
+    for k, row in enumerate(range(2 * size, len(y) - 2 * size, 3 * size)):
+        for column in range(2 * size * (1 + k % 2), len(x) - 2 * size, 4 * size):
+            across, up = (corner + [column, row]).T
+            inside = tuple((node + [column, row]).T[::-1])
+            yours[inside] = omega @ measured[up, across]
+            known[up, across] = True
+            cells.append([x[across], y[up]])
+    others = np.isfinite(yours) & ~known
+    error = np.sqrt(np.mean((yours - measured)[others] ** 2))
+    with figure(6.8, 3.1) as page:
+        panels = page.subplots(1, 2, sharey=True)
+        page.suptitle(f"{known.sum()} corners, error {error:.0f} m at {others.sum()} other nodes")
+        for axes, name, shown in zip(panels, ("measured", "your field"), (measured, yours)):
+            levels = np.linspace(200, 1100, 19)
+            image = axes.contourf(x, y, shown, levels, extend="both", cmap="terrain")
+            image.set_rasterized(True)
+            axes.set(title=name, aspect="equal", xlabel="km to the east")
+        for east, north in cells:
+            panels[1].fill(east, north, fc="none", ec="black", lw=0.5)
+        panels[0].set(ylabel="km to the north")
+        page.colorbar(image, ax=list(panels), label="height in metres")
+    return page
+
+
+# %% [markdown]
+# **What to look at.** The error is the root mean square. Halve the size of the cells: how much does
+# the error decrease? Each corner belongs to up to three cells, and the field is continuous across
+# their edges. Why? The coordinates are not negative in a cell, so no value is greater than at the
+# highest corner. What happens to a summit inside a cell?
 #
 # ## In words
 #

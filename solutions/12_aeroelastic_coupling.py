@@ -478,7 +478,7 @@ check("12.6")
 # displacement of the plate below the point. Its second term is due to the tilt of the plate, with
 # the arm $\zeta_i$.
 #
-# ### 12.7 The slopes (optional)
+# ### 12.7 The slopes
 #
 # Return the derivatives $\mathbf{G}^k$, in any dimension. In (12.2) only $\mathbf{b}$ depends on
 # $\mathbf{y}$. Its derivative with respect to the coordinate $y_k$ has the entries
@@ -510,7 +510,7 @@ def slopes(nodes, places):
 check("12.7")
 
 # %% [markdown]
-# ### 12.8 Loads on a plate (optional)
+# ### 12.8 Loads on a plate
 #
 # The loads follow from virtual work again: $\mathbf{g}$ must do the work $\sum_i
 # \mathbf{v}_i^T\mathbf{f}_i$ in every displacement $\mathbf{u}$. Collect the factors of

@@ -66,7 +66,7 @@ def objective_on_the_line(seed):
     return (Call("objective", given, "a line"),)
 
 
-@hidden("02.7", "It must hold on the line, for one place, and for other ε than the shown.")
+@hidden("02.7", "It must hold on the line, at a single point, and for other ε than the shown.")
 def gradient_on_the_line(seed):
     random = np.random.default_rng(seed + 5)
     given = (random.random((10, 1)), random.normal(size=10), random.random((1, 1)), 0.2)

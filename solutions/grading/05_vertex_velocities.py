@@ -86,7 +86,11 @@ def independent_first(normals, y):
     return qr(rows.T, pivoting=True, mode="r")[1]
 
 
-@hidden("05.8", "An affine field must come back exactly, for any positive weights.")
+@hidden(
+    "05.8",
+    "For the normal velocities of an affine field it must return the velocity of this field, for "
+    "any positive weights.",
+)
 def exact_data(seed):
     random = np.random.default_rng(seed + 5)
     points, triangles = fan(random, 7)

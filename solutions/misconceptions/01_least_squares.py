@@ -303,6 +303,14 @@ def of_the_first_ten_points(points):
 
 
 @answers("01.4", named=False)
+def by_a_determinant(points):
+    """The determinant tells whether the rank is full, and not what it is otherwise."""
+    b = basis(points)
+    full = abs(np.linalg.det(b.T @ b)) > 1e-9
+    return b.shape[1] if full else b.shape[1] - 1
+
+
+@answers("01.4", named=False)
 def ones_not_scaled(points):
     """In a small unit of length the column of ones counts as zero."""
     b = basis(points - points.mean(axis=0))

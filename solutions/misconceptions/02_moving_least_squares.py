@@ -41,6 +41,12 @@ def zero_far_away(points, x, epsilon):
     return np.where(w * epsilon**2 < 1e-2, 0.0, w)
 
 
+@answers("02.1", named=False)
+def epsilon_counted_twice(points, x, epsilon):
+    """At the point itself the weight is half of 1/ε²."""
+    return 1 / (distances(points, x) ** 2 + 2 * epsilon**2)
+
+
 @answers("02.1")
 def distance_not_squared(points, x, epsilon):
     """The distance in the denominator is not squared, so a length and a squared length are added.

@@ -328,8 +328,8 @@ def zeros_first(points, values):
 
 @answers("03.3")
 def only_the_sum_constrained(points, values):
-    """The sum of λ is zero, but the sums weighted by coordinates are not: the affine part is a
-    constant here. (3.4) has D + 1 equations, one for each entry of b.
+    """The sum of λ is zero, but the sums weighted by coordinates are not. The affine part is a
+    constant here. There are D + 1 constraints in (3.4), one for each entry of b.
     """
     lam, c = solved(w(offsets(points, points)), np.ones((len(points), 1)), values)
     return lam, np.append(c, np.zeros(points.shape[1]))

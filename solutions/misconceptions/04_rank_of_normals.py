@@ -400,6 +400,14 @@ def first_three_points_only(points, normals):
 
 
 @answers("04.5", named=False)
+def hundred_directions(points, normals):
+    """The bad directions are those of the normals, and none of a hundred fixed ones."""
+    angles = np.linspace(0, np.pi, 100)
+    directions = np.stack([np.cos(angles), np.sin(angles)])
+    return all(spans(points[column]) for column in (np.abs(normals @ directions) > 1e-9).T)
+
+
+@answers("04.5", named=False)
 def compared_by_slope(points, normals):
     """Two opposite upright normals have different slopes, but are parallel."""
     slopes = normals[:, 1] / (normals[:, 0] + 1e-300)

@@ -94,8 +94,8 @@ def in_another_order(q):
 
 @answers("06.1")
 def of_the_side_that_begins_here(q):
-    """There are two mistakes: row a has the normal of the side that begins at corner a instead of
-    the one opposite, and it is outward only if the corners are listed anticlockwise. Begin with the
+    """There are two mistakes. Row a has the normal of the side that begins at corner a instead of
+    the one opposite. It is outward only if the corners are listed anticlockwise. Begin with the
     first row, and name its side by its two ends.
     """
     along = np.roll(q, -1, axis=0) - q
@@ -135,9 +135,9 @@ def mean_of_the_projections(q, v):
 
 @answers("06.2")
 def right_in_equilateral_triangles(q, v):
-    """Two thirds of the sum of the vectors v n: that is right in an equilateral triangle and in
-    no other, as the matrix of the normal equations is a multiple of the identity there only.
-    Which system has to be solved?
+    """This is two thirds of the sum of the vectors v n, which is right only in an equilateral
+    triangle. In no other is the matrix of the normal equations a multiple of the identity. Which
+    system has to be solved?
     """
     return 2 * v @ outward(q) / 3
 

@@ -646,6 +646,24 @@ def divided_by_zero(points, triangles, tolerance):
     return twice_areas(points, triangles) / lengths(points, triangles).max(axis=0) <= tolerance
 
 
+@answers("14.7", named=False)
+def strictly_less(points, triangles, tolerance):
+    """A height of zero is at most a tolerance of zero, and a strict comparison denies it."""
+    return twice_areas(points, triangles) < tolerance * lengths(points, triangles).max(axis=0)
+
+
+@answers("14.7", named=False)
+def against_the_perimeter(points, triangles, tolerance):
+    """The perimeter is more than twice the longest side."""
+    return twice_areas(points, triangles) <= tolerance * lengths(points, triangles).sum(axis=0)
+
+
+@answers("14.7", named=False)
+def against_one_fixed_side(points, triangles, tolerance):
+    """The smallest height is that over the longest side, which may be another one."""
+    return twice_areas(points, triangles) <= tolerance * lengths(points, triangles)[1]
+
+
 @answers("14.7")
 def half_of_the_height(points, triangles, tolerance):
     """The values are those of half the height: the area was divided by the longest side. (14.3) has

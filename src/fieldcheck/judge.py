@@ -144,7 +144,7 @@ def _array_form(
             "not finite",
             (
                 f"For {call.case}, {bad} of {sum(v.size for v in values)} values are "
-                "NaN or infinite: look for a division by zero, or a logarithm of zero."
+                "NaN or infinite. Look for a division by zero, or a logarithm of zero."
             ),
         )
     if outcome.modified:
@@ -239,12 +239,11 @@ def _difference(
     entry = _entry(units[part], part, len(units))
     if np.isclose(off, 1) and are_truth_values(answers):
         return f"For {call.case}, {entry} {_of_two(compared.flat[int(np.argmax(units[part]))])}."
-    text = f"For {call.case}, {entry} is off by {off:.2g}"
+    text = f"For {call.case}, {entry} is off by {off:.2g}."
     if _whole(wanted):
-        return f"{text}; all values here are whole numbers."
+        return f"{text} All values here are whole numbers."
     return (
-        f"{text}, where the largest right value is {scale(wanted):.2g}; "
-        f"rounding explains {tolerance:.0e}."
+        f"{text} The largest right value is {scale(wanted):.2g}; rounding explains {tolerance:.0e}."
     )
 
 

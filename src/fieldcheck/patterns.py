@@ -92,7 +92,9 @@ def pattern(
     wrong = [case for case in cases if not case.right_if(lambda v, _: v)]
     if not wrong:
         return ""
-    arithmetic = () if are_truth_values(right) else (_zero, _factor, _signs, _offset)
+    # A wrong rank is no multiple of the right one, even if it happens to be twice as large.
+    factor = () if _are_single_whole_numbers(right) else (_factor,)
+    arithmetic = () if are_truth_values(right) else (_zero, *factor, _signs, _offset)
     kinds = (_single_precision, *arithmetic, _outputs, _order, _positions)
     found = _integers(cases, wrong) or next(filter(None, (kind(wrong) for kind in kinds)), "")
     return " ".join(filter(None, (_where(cases, wrong), found)))
@@ -101,6 +103,11 @@ def pattern(
 def are_truth_values(answers: Sequence[Values]) -> bool:
     """Whether all values of all answers are 0 or 1, so that none is too large by an amount."""
     return all(np.isin(value, (0, 1)).all() for values in answers for value in values)
+
+
+def _are_single_whole_numbers(answers: Sequence[Values]) -> bool:
+    """Whether no answer is an array or has decimals, as with a rank or a number of pieces."""
+    return all(v.ndim == 0 and float(v).is_integer() for values in answers for v in values)
 
 
 def _where(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
@@ -165,8 +172,18 @@ def _factor(wrong: Sequence[Case]) -> str:
         return f"The wrong values are the right ones {_times(factors[0])}."
     if min(entries) < 3:
         return ""
-    each = [f"{_times(k)} for {case.name}" for k, case in zip(factors, wrong, strict=True)]
-    return f"The wrong values are the right ones {', and '.join(each[:2])}."
+    # A case for each factor that reads differently; two of them show that it varies.
+    names: dict[str, str] = {}
+    for k, case in zip(factors, wrong, strict=True):
+        names.setdefault(_times(k), case.name)
+    (first, name), *others = names.items()
+    if not others:
+        return f"The wrong values are the right ones {first}."
+    other, its_name = others[0]
+    return (
+        f"For {name}, the wrong values are the right ones {first}. "
+        f"For {its_name}, they are the right ones {other}."
+    )
 
 
 def _factor_of(case: Case) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from fieldcheck.answers import Answers
 from fieldcheck.calls import Call, Outcome
 from fieldcheck.figures import figure, svg
-from fieldcheck.question import Question, unchanged
+from fieldcheck.question import Picture, Question, unchanged
 from fieldcheck.shapes import fitted
 from fieldcheck.verdict import Verdict
 
@@ -40,10 +40,17 @@ def picture_of_difference(
     if right[worst].size < FEWEST or not np.isfinite(values[worst]).all():
         return verdict
     name = "right" if question.normal_form is unchanged else "one right answer"
-    return replace(verdict, picture=_drawn(call, values[worst], right[worst], name))
+    picture = _drawn(question.picture, call, values[worst], right[worst], name)
+    return replace(verdict, picture=picture)
 
 
-def _drawn(call: Call, values: np.ndarray, right: np.ndarray, name: str) -> str:
+def _drawn(how: Picture, call: Call, values: np.ndarray, right: np.ndarray, name: str) -> str:
+    if how == "polygon":
+        return _polygons(values, right, name)
+    if how == "sides":
+        corners = np.asarray(call.arguments[0], float)
+        middles = (corners.sum(axis=0) - corners) / 2
+        return _arrows(middles, values, right, name, corners)
     points = _points(call, right)
     if points is not None:
         return (_dots if right.ndim == 1 else _arrows)(points, values, right, name)
@@ -104,15 +111,55 @@ def _dots(points: np.ndarray, values: np.ndarray, right: np.ndarray, name: str) 
     return svg(page)
 
 
-def _arrows(points: np.ndarray, values: np.ndarray, right: np.ndarray, name: str) -> str:
-    """Draw a vector field: at each point the right arrow and the student's."""
-    extent = float(np.ptp(points, axis=0).max()) or 1.0
+def _polygons(values: np.ndarray, right: np.ndarray, name: str) -> str:
+    """Draw the right polygon and the student's, with the numbers of the rows at the corners."""
+    with figure(4.4, 2.6) as page:
+        axes = page.subplots()
+        # The student's numbers are further out: the corners may be right, but in another order.
+        for corners, marker, color, label, distance in (
+            (right, "o", "black", name, 10),
+            (values, "s", "#d9622b", "yours", 20),
+        ):
+            closed = np.append(corners, corners[:1], axis=0)
+            axes.plot(*closed.T, marker=marker, mfc="none", color=color, lw=1, label=label)
+            away = corners - corners.mean(axis=0)
+            away /= np.maximum(np.hypot(*away.T), np.finfo(float).tiny)[:, np.newaxis]
+            for row, (corner, direction) in enumerate(zip(corners, away, strict=True)):
+                axes.annotate(
+                    str(row),
+                    corner,
+                    distance * direction,
+                    textcoords="offset points",
+                    ha="center",
+                    va="center",
+                    color=color,
+                    fontsize=8,
+                )
+        axes.set_axis_off()
+        axes.set_aspect("equal")
+        axes.margins(0.2)
+        axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1, 0.5))
+    return svg(page)
+
+
+def _arrows(
+    points: np.ndarray,
+    values: np.ndarray,
+    right: np.ndarray,
+    name: str,
+    outline: np.ndarray | None = None,
+) -> str:
+    """Draw a vector field: at each point the right arrow and the student's, and an outline."""
+    seen = points if outline is None else np.concatenate([points, outline])
+    extent = float(np.ptp(seen, axis=0).max()) or 1.0
     longest = float(np.hypot(*np.concatenate([right, values]).T).max()) or 1.0
     scale = 4 * longest / extent
     how: Any = {"angles": "xy", "scale_units": "xy", "scale": scale}
     with figure(4.4, 2.6) as page:
         axes = page.subplots()
         axes.plot(*points.T, ".", color="#8a8a8a", markersize=3)
+        if outline is not None:
+            axes.fill(*outline.T, fill=False, edgecolor="#8a8a8a")
         axes.quiver(*points.T, *right.T, color="black", label=name, width=0.014, **how)
         axes.quiver(*points.T, *values.T, color="#d9622b", label="yours", width=0.007, **how)
         axes.update_datalim(np.concatenate([points + right / scale, points + values / scale]))

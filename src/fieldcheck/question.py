@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import wraps
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from fieldcheck.calls import Call, Values
 LEAST_TOLERANCE = 1e-9
 """Smallest tolerance: known answers are stored with twelve digits."""
 
+Picture = Literal["values", "polygon", "sides"]
 Shape = tuple[int, ...]
 Deviation = Callable[[Sequence[Call], Sequence[Values]], float]
 
@@ -99,6 +100,10 @@ class Question:
     may_call : tuple of str
         Earlier questions whose functions a right answer may call, beside those that the solution
         calls. If they are wrong, the grader gives it right ones.
+    picture : str
+        How wrong values are drawn: ``"polygon"`` if they are the corners of one in the plane,
+        ``"sides"`` if they are vectors at the sides of the triangle that is the only argument,
+        each opposite to the corner of its row.
     """
 
     name: str
@@ -112,6 +117,7 @@ class Question:
     fingerprint: Callable[[Call, Values], Values] | None = None
     limit: float = 5.0
     may_call: tuple[str, ...] = ()
+    picture: Picture = "values"
 
     @property
     def notebook(self) -> str:

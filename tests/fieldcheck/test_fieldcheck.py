@@ -5,18 +5,21 @@ import json
 import re
 import sys
 import time
+from collections import Counter
 from dataclasses import replace
 from itertools import zip_longest
 
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 
 import fieldcheck
 from fieldcheck import answers, calls, figures, notebook, seeds
 from fieldcheck.answers import Answers, Mistake
 from fieldcheck.calls import Call, Outcome, perform
 from fieldcheck.judge import judge
+from fieldcheck.pictures import picture_of_difference
 from fieldcheck.question import Law, Question, relative
 from fieldcheck.questions import get, questions
 from fieldcheck.seeds import seed
@@ -106,7 +109,7 @@ def last_wrong(x):
         (lambda x: 2 * x / (x - x[0]), "not finite", "1 of 5 values are NaN or infinite"),
         (in_place, "modified", "changes its argument number 1"),
         (lambda x: x**2, "misconception", "These are the squares"),
-        (last_wrong, "wrong", r"twice the sum\. For \d numbers, entry \[\d\] is off by 1, where"),
+        (last_wrong, "wrong", r"twice the sum\. For \d numbers, entry \[\d\] is off by 1\. The"),
         (lambda x: 2 * x, "right", ""),
         (lambda x: tuple(2 * x), "right", ""),
         (lambda x: np.matrix(2 * x), "right", r"But twice returns an np\.matrix, "),
@@ -396,6 +399,43 @@ def test_a_wrong_answer_is_drawn_beside_the_right_one(first_notebook):
     assert not fieldcheck.check("01.1", first_notebook).picture
 
 
+@pytest.mark.parametrize(
+    ("name", "wrong", "parts"),
+    [
+        ("01.5", lambda v: 2 * v, {"plot": 1, "quiver": 2}),
+        ("06.1", lambda v: np.roll(v, 1, axis=0), {"plot": 1, "fill": 1, "quiver": 2}),
+        ("07.1", lambda v: v[::-1], {"plot": 2, "annotate": 12}),
+        ("07.1", np.zeros_like, {"plot": 2, "annotate": 12}),
+        ("07.6", lambda v: 2 * v, {"imshow": 3}),
+    ],
+)
+def test_the_picture_suits_the_question(name, wrong, parts, monkeypatch):
+    """Arrows at the points, or at the middles of the sides; polygons; or else a table."""
+    drawn = Counter()
+    for part in ("quiver", "fill", "plot", "annotate", "imshow"):
+        count(monkeypatch, drawn, part)
+    question = get(name)
+    inputs = question.inputs(seed("", name))
+    right = answers.public_answers(question.notebook)[name].right
+    outcomes = [Outcome("returned", values=tuple(map(wrong, values))) for values in right]
+    known = Answers(right, ())
+    verdict = judge(question, inputs, outcomes, known)
+    picture = picture_of_difference(verdict, question, inputs, outcomes, known).picture
+    assert picture.startswith("<svg")
+    assert drawn == parts
+
+
+def count(monkeypatch, drawn, part):
+    """Count how often axes draw this part."""
+    draw = getattr(Axes, part)
+
+    def counted(axes, *args, **kwargs):
+        drawn[part] += 1
+        return draw(axes, *args, **kwargs)
+
+    monkeypatch.setattr(Axes, part, counted)
+
+
 def test_a_damaged_progress_file_is_ignored(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / notebook.RECORD).write_text("{")
@@ -410,7 +450,7 @@ def test_an_unknown_question_is_refused_with_those_of_its_notebook(name):
 
 
 def test_whole_numbers_are_compared_without_rounding():
-    """A wrong rank is not reported as "off by 1, where rounding explains 1e-09"."""
+    """A wrong rank is not reported as "off by 1; rounding explains 1e-09"."""
     question = questions()["01.4"]
     calls = question.inputs(seed("", "01.4"))
     right = answers.public_answers("01")["01.4"].right
@@ -419,7 +459,7 @@ def test_whole_numbers_are_compared_without_rounding():
     verdict = judge(question, calls, outcomes, known)
     assert verdict.finding == "wrong"
     assert "rounding" not in verdict.sentence
-    assert "off by 7; all values here are whole numbers" in verdict.sentence
+    assert "off by 7. All values here are whole numbers." in verdict.sentence
 
 
 @pytest.mark.parametrize(("name", "says"), [("14.7", True), ("01.4", False)])

@@ -59,8 +59,8 @@ def square(a):
         (lambda a: (1 - 2e-7) * a, "The wrong values are the right ones times (1 -2.0e-07)."),
         (
             lambda a: len(a) * a,
-            "The wrong values are the right ones times 3 for a small table, and times 5 for a "
-            "large table.",
+            "For a small table, the wrong values are the right ones times 3. For a large table, "
+            "they are the right ones times 5.",
         ),
         (np.abs, "The wrong values differ from the right ones only in sign."),
         (lambda a: a - 0.5, "The wrong values are all too small by 0.5."),
@@ -123,12 +123,41 @@ def test_a_single_number_has_no_factor():
     assert "times 1.5" in pattern(number, CALLS, [(np.array(3.75),)] * 2, right * 2)
 
 
-def test_a_whole_number_for_another_is_no_multiple():
-    """Five is not explained by "six times 0.8333"; twice the number is."""
+@pytest.mark.parametrize("wrong", [5.0, 12.0])
+def test_a_whole_number_for_another_is_no_multiple(wrong):
+    """Neither "six times 0.8333" nor "six times 2" explains a wrong rank."""
     rank = Question("99.5", "rank", 1, inputs, lambda _: ((),))
     right = [(np.array(6.0),), (np.array(6.0),)]
-    assert "times" not in pattern(rank, CALLS, [(np.array(5.0),)] * 2, right)
-    assert "times 2" in pattern(rank, CALLS, [(np.array(12.0),)] * 2, right)
+    assert pattern(rank, CALLS, [(np.array(wrong),)] * 2, right) == ""
+
+
+def test_the_opposite_of_a_whole_number_is_reported():
+    characteristic = Question("99.5", "euler", 1, inputs, lambda _: ((),))
+    right = [(np.array(2.0),), (np.array(-4.0),)]
+    opposite = [(-r,) for (r,) in right]
+    sentence = "The wrong values differ from the right ones only in sign."
+    assert pattern(characteristic, CALLS, opposite, right) == sentence
+
+
+def three_tables(*factors, integers=False):
+    """The pattern if the right values of three tables are multiplied by these factors."""
+    tables = [np.arange(1.0, 10.0).reshape(3, 3) + (0 if integers else 0.1 * k) for k in range(3)]
+    calls = [
+        Call("table", (a,), f"{name} table")
+        for a, name in zip(tables, ("a first", "the same", "another"), strict=True)
+    ]
+    values = [(k * a,) for k, a in zip(factors, tables, strict=True)]
+    return pattern(TABLE, calls, values, [(a,) for a in tables])
+
+
+def test_a_factor_is_said_once():
+    """Equal factors are not repeated: 1.25 of whole numbers, and two equal ones of three."""
+    same = "The wrong values are the right ones times 1.25."
+    assert three_tables(1.25, 1.25, 1.25, integers=True) == same
+    assert three_tables(2, 2, 3) == (
+        "For a first table, the wrong values are the right ones times 2. "
+        "For another table, they are the right ones times 3."
+    )
 
 
 def test_cases_may_have_the_same_name():

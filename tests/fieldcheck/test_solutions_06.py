@@ -133,5 +133,5 @@ def test_the_error_far_from_the_origin_is_reported_as_it_is():
     error = np.abs(cancelling(corners) - NOTEBOOK["circumcentre"](corners)).max()
     assert np.abs(corners).max() > 1e6
     assert 1e-4 < error < 10
-    stated = float(verdict.sentence.partition("is off by ")[2].partition(",")[0])
+    stated = float(verdict.sentence.partition("is off by ")[2].partition(". ")[0])
     assert stated == pytest.approx(error, rel=0.1)

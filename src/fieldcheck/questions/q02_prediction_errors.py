@@ -88,7 +88,7 @@ def leave_one_out_inputs(seed: int) -> tuple[Call, ...]:
         ((integers(p), integers(v), 90.0), "twelve points and their values, integers"),
         ((p, integers(raised), 0.3), "twelve points and values that are integers"),
     )
-    case = "a grid of four by three points, two of them measured twice, and values that repeat"
+    case = "a grid of 4 × 3 points, two measured twice, and values that repeat"
     return (
         *general,
         Call("leave_one_out", (*measured_twice(random, (4, 3)), 0.3), case, (0, 1)),

@@ -195,7 +195,7 @@ RANKS = (
 )
 
 
-@law("The rank must be the one that is known from the construction of the samples.")
+@law("The rank must be the number of linearly independent equations.")
 def has_the_known_rank(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest difference from the ranks that are known for these cases."""
     return max(abs(float(v) - r) for (v,), r in zip(values, RANKS, strict=True))

@@ -189,7 +189,7 @@ def in_triangle(points: np.ndarray) -> np.ndarray:
     return spread
 
 
-@law("The answer must be the one that is known from the construction of the samples.")
+@law("The answer must be True if and only if (4.5) holds.")
 def is_as_constructed(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return one if the judgement on a case differs from its construction."""
     return max(abs(float(v) - h) for (v,), h in zip(values, HOLDS, strict=True))
@@ -309,7 +309,7 @@ def cross_along_axes(random: np.random.Generator, n: int) -> np.ndarray:
     return np.append(np.concatenate(arms), [[0, 0]], axis=0)
 
 
-@law("The rank must be the one that is known from the construction of the points.")
+@law("The rank must be that of the matrix on the right-hand side of (4.6).")
 def is_the_known_conic_rank(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the largest difference from the ranks that are known for these points."""
     return max(abs(float(v) - r) for (v,), r in zip(values, CONIC_RANKS, strict=True))

@@ -329,6 +329,7 @@ QUESTIONS = (
         normals_inputs,
         lambda _: ((3, 2),),
         (of_unit_length, across_the_sides, leave_the_triangle),
+        picture="sides",
     ),
     Question(
         "06.2",

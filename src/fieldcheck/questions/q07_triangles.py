@@ -35,8 +35,8 @@ def hexagon_inputs(seed: int) -> tuple[Call, ...]:
         (small, "a small hexagon"),
         (clockwise, "a large hexagon, turned clockwise"),
         (another, "another hexagon, turned clockwise"),
-        (large, "a radius of more than 20, turned by more than half a turn"),
-        (tiny, "a radius of the size 10⁻⁷, turned clockwise by more than half a turn"),
+        (large, "a radius of more than 20, turned by more than 200°"),
+        (tiny, "a radius of the size 10⁻⁷, turned clockwise by more than 200°"),
         (
             (random.integers(1, 9, 2) * [1, -1], *small[1:]),
             "the first hexagon, a centre of integers",
@@ -128,7 +128,15 @@ AREA_IS_HALVED = Law(
 
 
 QUESTIONS = (
-    Question("07.1", "hexagon", 1, hexagon_inputs, lambda _: ((6, 2),), (has_equal_sides,)),
+    Question(
+        "07.1",
+        "hexagon",
+        1,
+        hexagon_inputs,
+        lambda _: ((6, 2),),
+        (has_equal_sides,),
+        picture="polygon",
+    ),
     Question(
         "07.2",
         "circumcenter",

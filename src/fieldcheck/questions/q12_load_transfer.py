@@ -64,8 +64,8 @@ def slopes_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law(
-    "From one node to the next, the slopes must integrate to the change of the weights: from 1 to "
-    "0 for the first node, from 0 to 1 for the second."
+    "From one node to the next, the slopes must integrate to the change of the weights. The weight "
+    "of the first node changes from 1 to 0, that of the second from 0 to 1."
 )
 def integrates_to_the_change_of_weights(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the difference between the integral of slopes between nodes and the change of weights.
