@@ -187,6 +187,9 @@ class TestOutdatedSteps:
         assert report.build() == 1
         assert report.did() == []
         assert "fake_a has no fact smal" in capfd.readouterr().err
+        (report.source / "references.bib").unlink()
+        assert report.build() == 1
+        assert "there is no " in capfd.readouterr().err
 
     @pytest.mark.slow
     def test_option_only_builds_one_experiment(self, report):

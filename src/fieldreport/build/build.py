@@ -64,7 +64,10 @@ def _check_chapters(document: Document, jobs: list[ExperimentJob], steps: Steps)
     The facts of an experiment are known if its result is up to date.
     """
     quotable = {job.name: _quotable(job, steps) for job in jobs}
-    found = list(errors_in(document.chapters, document.source / "references.bib", quotable))
+    references = document.source / "references.bib"
+    if not references.is_file():
+        raise BuildError(f"there is no {references}")
+    found = list(errors_in(document.chapters, references, quotable))
     if found:
         raise BuildError("\n".join(f"{document.source.name}/{line}" for line in found))
 
