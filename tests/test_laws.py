@@ -42,6 +42,7 @@ MORE_PATCHES = tuple(f"PU {name}" for name in ("r⁵", "r⁴ log r", "inverse", 
 
 # Larger ones of several of their kind.
 LONG = (
+    "PU r³ on 10 sites",
     "PU r³ on 16 sites, degree 1, with scales in 3-D",
     "PU r³ on 25 sites, degree 1 in 3-D",
     "PU r³ smoothed",
@@ -50,11 +51,18 @@ LONG = (
     "PU, hole",
     "PU, tracks",
     "MLS ε = 0, degree 3",
+    "MLS ε = 0.1, degree 3",
+    "MLS wendland on 8 nearest, degree 1, with a metric",
     "MLS wendland on 11 nearest",
     "MLS wendland on 14 nearest",
+    "RBF Wendland 2 on near pairs, a plane",
+    "Voronoi cell, a octahedron",
+    "Voronoi cell, a parallelepiped",
     "Voronoi cell, a pyritohedron",
+    "Voronoi cell, a regular 20-gon",
     "Voronoi cell, a rhombic dodecahedron",
     "coordinates of the pyritohedron",
+    "coordinates of the rhombic dodecahedron",
     "mean of PU",
 )
 
@@ -63,6 +71,8 @@ def is_long(case: Case) -> bool:
     """Whether the case has many variables, or repeats those of another weight or kernel."""
     if case.name.startswith(MORE_WEIGHTS):
         return "degree 1 in 2-D" not in case.name
+    if case.name.startswith("RBF") and "one degree more" in case.name:
+        return "r³" not in case.name
     with_others = case.d != 2 and not case.name.startswith(IN_EVERY_DIMENSION)
     large = case.d == 3 and case.name.startswith(("MLS", "PU")) and "degree 1" not in case.name
     cubics = case.name.startswith("PU") and "degree 3" in case.name

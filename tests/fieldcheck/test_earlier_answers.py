@@ -61,6 +61,7 @@ def test_right_code_is_told_to_wait_for_the_earlier_answer():
     assert "· waits" in repr(fieldcheck.progress())
 
 
+@pytest.mark.slow
 def test_wrong_code_is_not_excused():
     """Its own mistake is reported if it calls no wrong answer, and once that one is corrected."""
     assert "opposite sign" in fieldcheck.check("01.2", cells(BASIS, WRONG_FIT)).sentence

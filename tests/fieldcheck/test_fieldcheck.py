@@ -390,6 +390,7 @@ def test_progress_is_kept_after_a_restart(first_notebook):
     assert shown.possible == sum(question.points for question in begun)
 
 
+@pytest.mark.slow
 def test_a_wrong_answer_is_drawn_beside_the_right_one(first_notebook):
     """A right answer gets no picture."""
     wrong = {"basis_matrix": lambda points: np.insert(points, 0, 1.5, axis=1)}
@@ -399,6 +400,7 @@ def test_a_wrong_answer_is_drawn_beside_the_right_one(first_notebook):
     assert not fieldcheck.check("01.1", first_notebook).picture
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "wrong", "parts"),
     [
@@ -528,6 +530,7 @@ def test_html_in_an_exception_is_escaped():
     assert "<script>" not in shown
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [90, 9000])
 def test_artists_with_many_points_are_images_and_the_rest_are_paths(count):
     """A picture of ten thousand points takes up as little space as one of a thousand."""

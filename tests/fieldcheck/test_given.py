@@ -53,6 +53,7 @@ def test_other_shapes_are_an_error_that_names_both(p):
         saddle_point_matrix(np.eye(2), p)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("function", GIVEN.values(), ids=GIVEN)
 def test_no_finished_function_answers_a_question(function):
     """Students have all notebooks, and each question is graded."""
@@ -60,6 +61,7 @@ def test_no_finished_function_answers_a_question(function):
     assert not [name for name, verdict in verdicts.items() if verdict.right]
 
 
+@pytest.mark.slow
 def test_the_map_of_the_course_lists_the_finished_functions_and_their_notebooks():
     page = (ROOT / "docs/course.md").read_text(encoding="utf-8")
     rows = dict(re.findall(r"^\| `(\w+)` \| notebook 03 \| ([\d, ]+) \|$", page, re.MULTILINE))

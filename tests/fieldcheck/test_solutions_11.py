@@ -88,6 +88,7 @@ def test_orientation_follows_the_minimum_spanning_tree(random):
     assert ((n[i] * n[j]).sum(axis=1) > 0).all()
 
 
+@pytest.mark.slow
 def test_the_point_clouds_of_every_student_can_be_oriented():
     """For every seed the tree gives the outward normals, as the law of 11.3 requires."""
     for seed in range(30):

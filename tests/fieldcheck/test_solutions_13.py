@@ -108,6 +108,7 @@ def test_the_mass_correction_agrees_with_the_library_and_is_minimal():
         assert m @ (v - u) ** 2 <= m @ (other - u) ** 2
 
 
+@pytest.mark.slow
 def test_departure_points_of_burgers_equation_are_roots():
     """The equation y + Δt s(y) = x has one root before the wave breaks; SciPy finds it."""
     x = np.linspace(-1, 1, 30)[:, None]
@@ -136,6 +137,7 @@ def test_the_error_depends_on_the_number_of_steps_as_stated():
     assert errors == sorted(errors, reverse=True)
 
 
+@pytest.mark.slow
 def test_bounds_and_mass_behave_as_stated():
     """Without limits values leave the range and the mass drifts; with limits the maximum drops."""
     sites = drawing_function("scattered_in_disc")(300)

@@ -16,10 +16,10 @@ from fieldreport import experiments
 from fieldreport.framework import result_files as files
 from fieldreport.framework.orders_of_magnitude import OrderOfMagnitude, order_of_magnitude
 
-LONG = {"surface_reconstruction", "fluid_animation", "mesh_errors", "high_dimensions", "terrain"}
-LONG |= {"partition_of_unity", "cpd_kernels", "rotational_velocity"}
+SHORT = {"cell_velocity", "coupling", "dual_meshes", "epsilon_sweep", "hermite_data"}
+SHORT |= {"hexagon_spiral", "natural_splines", "peers", "polygon_soup", "power_sampling"}
 NAMES = experiments.names()
-CASES = [pytest.param(name, marks=pytest.mark.slow if name in LONG else ()) for name in NAMES]
+CASES = [pytest.param(name, marks=() if name in SHORT else pytest.mark.slow) for name in NAMES]
 
 
 @pytest.fixture(scope="module", params=CASES)

@@ -156,6 +156,7 @@ def test_letters_of_a_figure_are_paths_or_text():
     assert "Libertinus" in with_text
 
 
+@pytest.mark.slow
 def test_drawing_a_figure_restores_the_settings():
     before = dict(mpl.rcParams)
     draw_figure()

@@ -47,6 +47,7 @@ def test_without_pins_two_environments_give_different_bytes(monkeypatch):
     assert (results(FIRST) != results(SECOND)) == bool(pinned)
 
 
+@pytest.mark.slow
 def test_a_pinned_kernel_that_has_no_effect_stops_the_build(monkeypatch):
     """OpenBLAS ignores an unknown core name, and the worker reports it."""
     monkeypatch.setattr(

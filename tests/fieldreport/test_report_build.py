@@ -151,6 +151,7 @@ class TestOutdatedSteps:
         assert built.build() == 0
         assert not (built.out / "experiments" / "fake_b").exists()
 
+    @pytest.mark.slow
     def test_files_of_others_stay_and_stop_nothing(self, built):
         """Also those beside results and figures, and in the folder of a removed experiment."""
         results = built.out / "experiments"
@@ -171,6 +172,7 @@ class TestOutdatedSteps:
         left = [path.name for path in (results / "fake_b").iterdir()]
         assert sorted(left) == ["a.txt", "mine.svg"]
 
+    @pytest.mark.slow
     def test_a_typing_error_is_told_before_anything_runs(self, report, capfd):
         """The message has file and line; names of facts are known once the experiment has run."""
         report.write_chapter("As in @nobody1900.")
@@ -272,6 +274,7 @@ class TestUpToDate:
         monkeypatch.setattr(up_to_date, "sys", other)
         assert not is_up_to_date(report)
 
+    @pytest.mark.slow
     def test_a_build_starts_only_after_a_change(self, report, monkeypatch):
         """The following build has nothing to do."""
         begun = []
@@ -312,11 +315,8 @@ class Killed(BaseException):
     """Represents the end of the process, which no code may catch."""
 
 
-LATER = [pytest.param(moment, marks=pytest.mark.slow) for moment in (2, 6, 16)]
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("moment", [0, 5, 14, *LATER])
+@pytest.mark.parametrize("moment", [0, 5, 14, 16])
 def test_a_build_killed_during_a_write_is_completed_by_the_next(report, monkeypatch, moment):
     """Whichever write was interrupted, the next build gives the files of an undisturbed build."""
     written = []

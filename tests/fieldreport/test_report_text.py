@@ -265,6 +265,7 @@ def test_references_have_the_same_numbers_in_html_and_pdf(page, typ):
     }
 
 
+@pytest.mark.slow
 def test_numbered_elements_show_the_number_of_their_references(page, typ):
     """Captions, equations and headings show their numbers in both outputs."""
     for shown in ("Figure 1.1.", "Figure 1.2.", "Table 1.1.", "Table 1.2.", "Theorem 1.1"):
@@ -349,6 +350,7 @@ def test_the_page_loads_nothing(page):
     assert not re.search(r"@import|url\(", css)
 
 
+@pytest.mark.slow
 def test_in_print_a_page_may_begin_below_a_formula_that_ends_a_sentence(text):
     """Other paragraphs stay whole, at the top level and in a solution."""
     body = "Let\n$$ x = 1 . $$\nThen it is so.\n\nLet\n$$ y = 1 , $$\nwhere it is so.\n\n"
@@ -417,6 +419,7 @@ def test_an_unknown_citation_stops_the_build(text):
         text.convert("# A {#sec:a}\n\nAs in @nobody1900.\n")
 
 
+@pytest.mark.slow
 def test_an_unknown_macro_of_tex_has_its_file_and_line(text):
     """Also in a formula that is shown, and with a number that is filled in."""
     for formula in (r"$a \nowhere{b}$", r"$$ x + \nowhere $$", r"$\nowhere {{bumps.ratio:.1f}}$"):

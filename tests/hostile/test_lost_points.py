@@ -87,6 +87,7 @@ def test_errors_of_cells_and_missing_modules_are_in_the_results(record):
     assert [grade.cause for grade in read.grades] == [grade.cause for grade in record.grades]
 
 
+@pytest.mark.slow
 def test_calls_with_hidden_inputs_report_no_text(servers, course):
     """What a call raises after the public cases could contain a hidden input."""
     count = len(public_calls(questions()["01.2"]))

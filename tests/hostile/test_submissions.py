@@ -54,6 +54,9 @@ FAMILIES = {
 # How a file is read, which of its definitions are answers, and what the grader makes of replies and
 # requests: the same code on all tiers. Of each family the first case is tried on all.
 SAME_ON_ALL_TIERS = ("damage", "name", "stub", "block", "not reached", "cheat", "given", "oddity")
+# Limits of time, memory and output are enforced by the server in the same way on all tiers; three
+# cases of each family show that they are enforced on each.
+LIMITED = ("loop", "memory", "flood")
 # What code may read and import is restricted by sandboxes only, by each in its own way.
 RESTRICTED = ("import", "helper", "Jupyter", "beside", "no file", "font", "fallback", "scratch")
 HONEST = as_file(notebook())
@@ -68,7 +71,7 @@ def tiers_of(family, index):
     """The tiers of this machine on which a case of a family is tried."""
     if index == 0:
         return HERE
-    if family in SAME_ON_ALL_TIERS:
+    if family in SAME_ON_ALL_TIERS or (family in LIMITED and index > 2):
         return HERE[:1]
     return [t for t in HERE if t in SANDBOXED] or HERE if family in RESTRICTED else HERE
 
@@ -109,6 +112,7 @@ TRACES = {
 
 if sys.platform == "linux":
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("name", TRACES)
     def test_access_without_a_sandbox_is_detected(name, course, servers, places, watchdog):
         """Without a sandbox these cases reach their targets, and the checks detect it."""

@@ -172,6 +172,7 @@ def differences(values):
     return [b - a for a, b in itertools.pairwise(values)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("degree", [0, 1])
 def test_bumps_occur_with_either_basis(degree):
     """p. 9: on x³, which rises, and x², which is convex; for the linear basis ε = h is enough.

@@ -29,13 +29,8 @@ def no_bar(items, what):  # noqa: ARG001
     return items
 
 
-LONG = {"memory", "mesh_scaling", "patch_sizes", "peers", "streaming", "million", "surveys"}
-LONG |= {"grading", "grading_class", "grading_workers", "surfaces"}
-"""These are slow even at the smallest size: they start processes or triangulate."""
-TOY_RUNS = [pytest.param(n, marks=pytest.mark.slow) if n in LONG else n for n in command.NAMES]
-
-
-@pytest.mark.parametrize("name", TOY_RUNS)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", command.NAMES)
 def test_each_benchmark_runs_and_writes_a_page(name):
     """The smallest size gives finite positive ratios, tables with complete rows, and valid JSON."""
     result = command.measured(name, "TOY", no_bar)
@@ -175,6 +170,7 @@ def test_the_charts_are_up_to_date():
         assert charts.mark(result) in path.read_text()
 
 
+@pytest.mark.slow
 def test_a_chart_is_marked_with_its_numbers(tmp_path):
     """The page links the chart, whose mark changes with the numbers."""
     chart = Chart("Time", "size", "seconds", [1, 2], {"ours": [1.0, 2.0], "theirs": [3.0, 4.0]})
@@ -202,6 +198,7 @@ def test_the_exponent_is_fitted_to_the_larger_meshes():
     assert mesh_scaling.exponent(sizes, costs) == pytest.approx(1.5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(10))
 def test_generated_submissions_are_right_in_the_stated_questions(number):
     """The test of a question passes if and only if the question is listed as right."""

@@ -195,10 +195,8 @@ UPWARD = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("wrong", "broken"),
-    [UPWARD[0], *(pytest.param(*case, marks=pytest.mark.slow) for case in UPWARD[1:])],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize(("wrong", "broken"), UPWARD)
 def test_an_upward_import_is_reported(wrong, broken, tmp_path):
     """`make lint` checks the contracts of pyproject.toml; a new room must be listed in them."""
     shutil.copytree(ROOT / "src", tmp_path / "src", ignore=shutil.ignore_patterns("*.egg-info"))
@@ -261,6 +259,7 @@ def test_the_library_computes_without_matplotlib():
     assert drawing == {"plotting"}
 
 
+@pytest.mark.slow
 def test_experiments_import_from_modules_and_not_from_rooms():
     """The build follows these imports to find the code on which a result depends."""
     rooms = {module.removesuffix(".__init__") for module in SOURCES if module.endswith("__init__")}

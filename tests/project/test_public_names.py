@@ -141,6 +141,7 @@ def test_an_unknown_name_raises_attribute_error():
         fieldrecon.kriging  # noqa: B018
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["experiments", "list"]])
 def test_the_command_line_answers_without_numpy(arguments):
     """Commands that compute nothing do not import NumPy, SciPy or matplotlib."""

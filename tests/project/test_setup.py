@@ -292,6 +292,7 @@ INSTALLERS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("installer", INSTALLERS)
 @pytest.mark.parametrize(
     ("mask", "reason", "debian"),

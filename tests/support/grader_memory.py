@@ -8,7 +8,7 @@ SANDBOXED = (b"bwrap", b"/grading-")
 """Words in the command lines of sandboxes; their processes are not counted."""
 
 
-def peak_memory(command, seconds_between=0.1):
+def peak_memory(command, seconds_between=0.2):
     """Run a command; return its exit status and the largest sum of PSS, in bytes.
 
     The proportional set size counts a page that n processes share as 1/n page of each.

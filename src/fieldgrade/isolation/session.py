@@ -235,7 +235,10 @@ class _Attempt:
                 known.append(name)
 
     def make_calls(self, task: CallGroup) -> tuple[Outcome, ...]:
-        """Make the calls of a group; after a missing function or a time-out, skip the others."""
+        """Make the calls of a group in turn.
+
+        After a missing function, a time-out or a value that is too large, skip the others.
+        """
         self.task, self.done, self.process.missing = task, [], NOTHING
         own = KEPT_OF_EACH_GROUP
         for call in task.calls:
@@ -247,7 +250,7 @@ class _Attempt:
             own = max(0, own - size)
             self.done.append(outcome)
             self.log.missing_in_calls[task.name] = self.process.missing
-            if self.done[-1].status not in ("returned", "raised"):
+            if outcome.status not in ("returned", "raised") or outcome.error == TOO_LARGE:
                 break
         self.process.check_limits()
         self.task = None

@@ -80,6 +80,7 @@ def test_the_diagram_has_a_box_for_each_notebook_and_an_arrow_for_each_dependenc
         assert to_x > x
 
 
+@pytest.mark.slow
 def test_the_text_of_each_box_fits_into_it(diagram):
     """Measured in DejaVu Sans, which is wider than most sans-serif fonts."""
     corners = boxes(diagram)

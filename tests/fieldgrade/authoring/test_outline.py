@@ -56,6 +56,7 @@ def test_the_minutes_agree_with_the_length_of_text_and_solution(source):
     assert 2 / 3 * total <= minutes(outline.items) <= 4 / 3 * total
 
 
+@pytest.mark.slow
 @each_source
 def test_each_question_shows_its_effort_once_in_both_notebooks(source):
     outline = Outline(source)
@@ -110,6 +111,7 @@ def edited(source, pattern, replacement):
     return Source(source.path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("pattern", "replacement", "problem"),
     [
@@ -152,6 +154,7 @@ def suggestion(source, question):
     return suggested_minutes(Outline(source))[question]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("pattern", "replacement", "question", "more"),
     [

@@ -58,6 +58,7 @@ def verdicts():
     return sentences
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sentences", [laws, mistakes, hidden_sentences, verdicts])
 def test_no_sentence_has_more_than_thirty_words(sentences):
     texts = sentences()
@@ -65,6 +66,7 @@ def test_no_sentence_has_more_than_thirty_words(sentences):
     assert not [long for text in texts for long in long_sentences(text)]
 
 
+@pytest.mark.slow
 def test_no_name_of_a_case_is_long():
     """Each name of a case stands in a sentence of the verdict."""
     public = [call.case for question in QUESTIONS for call in question.inputs(0)]

@@ -63,6 +63,7 @@ def lost(grades):
     return [name for name, grade in grades.items() if grade.points < grade.possible]
 
 
+@pytest.mark.slow
 def test_a_mistake_costs_points_once_and_the_page_says_so(graded):
     """The three questions that call the wrong answer are graded with ours."""
     grades = graded(basis_matrix=WRONG)

@@ -100,6 +100,7 @@ def test_an_invalid_table_is_reported_and_not_changed(file):
     assert file.read_text() == "student,points,comment\nada,many,\n"
 
 
+@pytest.mark.slow
 def test_the_marking_page_has_rubric_model_answer_and_all_answers():
     """Formulas are rendered, and other markup in the answers of students is not interpreted."""
     question = next(q for q in written_questions(source("01")) if q.name == "01.7")

@@ -41,6 +41,7 @@ def statuses(grading):
     return {(r.student, r.notebook): r.status for r in grading.results.records}
 
 
+@pytest.mark.slow
 def test_every_submission_has_a_status_and_its_verdicts(small):
     """Right, wrong and unwritten answers, and an unreadable file."""
     _, grading = small

@@ -96,6 +96,7 @@ def test_cells_are_run_and_functions_are_called(server):
     assert len(log.processes) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("code", "reason", "sentence"),
     [
@@ -176,6 +177,21 @@ def test_the_memory_of_the_grader_for_returned_values_is_limited(server, monkeyp
         "c": ["returned"] * 40,
     }
     assert outcomes["a"][1].error == process.TOO_LARGE
+
+
+@pytest.mark.slow
+def test_after_a_value_that_is_too_large_the_other_calls_are_skipped(server, monkeypatch):
+    """A file that returns 32 MB in each of hundreds of calls would delay a whole class."""
+    monkeypatch.setattr(session, "KEPT_OF_EACH_GROUP", 100)
+    monkeypatch.setattr(session, "KEPT_OF_ALL", 0)
+    code = (
+        "import numpy as np\nmade = []\ndef large(x):\n    made.append(0)\n    return np.ones(99)"
+    )
+    counting = "def count(x):\n    return np.ones(1) * len(made)"
+    tasks = [task("large", "large", 5), task("count", "count")]
+    outcomes, _ = run(server, ["import numpy as np", code, counting], tasks)
+    assert [outcome.error for outcome in outcomes["large"]] == [process.TOO_LARGE] * 5
+    assert outcomes["count"][0].values[0] == 1
 
 
 @pytest.mark.slow

@@ -227,6 +227,7 @@ def test_an_interpolant_reproduces_its_data_or_is_refused(data):
         assert_close(values, f, 0.1)
 
 
+@pytest.mark.slow
 @hostile
 @given(clouds(), st.integers(0, 3))
 def test_fewer_distinct_points_than_coefficients_are_refused(x, degree):
@@ -257,6 +258,7 @@ ANYTHING = st.one_of(
 SITES = np.random.default_rng(1).random((9, 2))
 
 
+@pytest.mark.slow
 @hostile
 @given(ANYTHING)
 def test_invalid_points_data_queries_and_loads_are_refused_with_a_message(thing):
@@ -270,6 +272,7 @@ def test_invalid_points_data_queries_and_loads_are_refused_with_a_message(thing)
     answer_or_none(lambda: leave_one_out(m, thing))
 
 
+@pytest.mark.slow
 @hostile
 @given(ANYTHING)
 def test_invalid_parameters_are_refused_with_a_message(thing):

@@ -58,6 +58,7 @@ def received(data, seconds=600.0):
             writer.join()
 
 
+@pytest.mark.slow
 @quickly
 @given(SENT, st.lists(VALUES, max_size=3))
 def test_a_frame_arrives_as_it_was_sent(head, values):
@@ -102,6 +103,7 @@ def test_a_head_that_misdescribes_its_arrays_is_refused(head_received, body):
     assert sum(value.nbytes for value in values) == len(body)
 
 
+@pytest.mark.slow
 @quickly
 @given(st.sampled_from(["f", "b"]), st.lists(st.sampled_from([0, 1, 2**25, 2**24]), max_size=16))
 def test_any_shape_is_read_or_refused(kind, shape):

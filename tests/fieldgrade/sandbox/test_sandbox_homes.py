@@ -82,6 +82,7 @@ def test_a_folder_that_cannot_be_removed_is_left(home, monkeypatch):
     assert (home / "a" / "b").is_dir()
 
 
+@pytest.mark.slow
 def test_an_overfull_home_folder_is_detected(home):
     """The criteria are the number of entries, the disk space used, and the depth."""
     assert not homes.is_overfull(str(home))

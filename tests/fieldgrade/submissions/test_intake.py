@@ -336,6 +336,7 @@ def test_a_nested_zip_file_is_unpacked(tmp_path):
     assert graded_files(handed)["s1", "01"] == "s1.zip/more.zip/work/01.ipynb"
 
 
+@pytest.mark.slow
 def test_among_thousands_of_files_notebooks_have_precedence(tmp_path):
     """The number of files that are left out is reported."""
     files = {f"data/{k:04}.csv": b"%d" % k for k in range(3000)} | {"z/01.ipynb": RIGHT}

@@ -82,6 +82,7 @@ BAD = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("content", "sentence"), BAD.values(), ids=BAD)
 def test_an_unreadable_file_is_refused_with_its_reason(content, sentence):
     with pytest.raises(Unreadable, match=sentence):

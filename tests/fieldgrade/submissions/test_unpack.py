@@ -135,6 +135,7 @@ def test_a_file_that_is_not_a_zip_file_is_refused(tmp_path, content):
         items_of(tmp_path, content)
 
 
+@pytest.mark.slow
 @given(st.data())
 def test_a_damaged_zip_file_is_refused_or_read(tmp_path_factory, data):
     """Any bytes may be changed; no other error is raised."""

@@ -61,6 +61,7 @@ def test_isolated_points_are_not_removed():
     assert (nearest[~removed] < 0.03).any()
 
 
+@pytest.mark.slow
 def test_adaptive_sites_reduce_the_error_of_a_front():
     """A steep ring is rotated with adaptive sites and with as many fixed sites."""
 

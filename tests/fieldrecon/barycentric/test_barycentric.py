@@ -384,6 +384,7 @@ def test_products_of_many_heights_do_not_underflow(n):
     assert abs(s.gradient(x) - [1, 2]).max() < 1e-7
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(st.integers(0, 2**32), st.integers(4, 14), st.sampled_from([2, 3]))
 def test_coordinates_of_random_polytopes_have_linear_precision(seed, n, d):

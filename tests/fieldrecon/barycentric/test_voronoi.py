@@ -50,6 +50,7 @@ def slides_weights(mesh, i, x):
 # --- definition and formula ---------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("d", [2, 3])
 def test_voronoi_coordinates_are_barycentric_coordinates_of_the_circumcentres(d):
     """The simplified formula of the slides does not use the circumcentres."""

@@ -167,6 +167,7 @@ def test_the_nearest_triangle_is_visible():
     assert not {*below.tolist()} & {*shown}
 
 
+@pytest.mark.slow
 def test_the_picture_of_a_sphere_is_a_disc():
     """The covered area is π r², the area of the disc with the radius of the sphere."""
     points, triangles = sphere(4)

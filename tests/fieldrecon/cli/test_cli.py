@@ -51,6 +51,7 @@ def test_version_is_printed():
     assert done.stdout == f"fieldrecon {version('fieldrecon')}\n"
 
 
+@pytest.mark.slow
 def test_a_user_error_prints_one_line_without_traceback():
     """A missing file gives one line on standard error and exit status 2."""
     done = subprocess.run(

@@ -6,6 +6,7 @@ from functools import partial
 from importlib import import_module
 
 import numpy as np
+import pytest
 
 import fieldrecon as fr
 from fieldrecon.kernels import polyharmonic, wendland
@@ -341,6 +342,7 @@ def test_a_masked_entry_is_refused():
                 raise AssertionError(f"{name} takes a masked {argument}")
 
 
+@pytest.mark.slow
 def test_a_mask_that_masks_nothing_is_ignored():
     """The results are the same bits, and no masked arrays."""
     for call, arrays in CALLS.values():

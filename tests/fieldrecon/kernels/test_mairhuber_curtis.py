@@ -36,6 +36,7 @@ def exact_sign(points: np.ndarray, degree: int) -> int:
     return sign
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("d", "degree"), [(2, 1), (2, 2), (2, 3), (3, 1), (3, 2)])
 def test_the_exact_determinant_changes_its_sign_at_the_time(d, degree):
     """Also in other units and far from the origin; the sites stay distinct."""

@@ -627,6 +627,7 @@ def test_lattice_points_give_a_mesh_or_are_degenerate(points, unit, offset):
     assert math.isclose(boundary, hull.area, rel_tol=1e-9)
 
 
+@pytest.mark.slow
 @given(LATTICE, st.lists(st.lists(st.integers(-1, 12), min_size=4, max_size=4), max_size=6))
 def test_arbitrary_cells_give_a_mesh_or_a_value_error(points, cells):
     x = np.array(points, dtype=float)

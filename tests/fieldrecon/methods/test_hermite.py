@@ -264,6 +264,7 @@ def test_the_matrix_is_symmetric_and_positive_where_the_polynomials_vanish(kerne
     assert np.linalg.eigvalsh(d[:, None] * (z.T @ a @ z) * d).min() > 0
 
 
+@pytest.mark.slow
 def test_the_entries_equal_symbolic_derivatives_of_the_kernel():
     """sympy computes all nine pairs of functionals for one kernel and two points."""
     import sympy

@@ -78,6 +78,7 @@ def test_values_and_progress_do_not_depend_on_the_executor(name):
             assert_counted(steps, 80)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", METHODS)
 @pytest.mark.usefixtures("small_chunks")
 def test_method_and_executor_can_be_used_after_an_interrupt(name):
@@ -140,6 +141,7 @@ def test_results_are_in_the_order_of_the_queries():
         np.testing.assert_allclose(backwards(), forwards(), atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["MLS", "PU", "PU on the globe"])
 @pytest.mark.usefixtures("small_chunks")
 def test_leave_one_out_reports_progress(name):

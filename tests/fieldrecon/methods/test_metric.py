@@ -50,6 +50,7 @@ def assert_same_in_other_coordinates(m: Reconstruction, there: Reconstruction, r
     assert (m.degree, m.interpolates) == (there.degree, there.interpolates)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MAKES)
 def test_a_metric_is_a_change_of_coordinates(name):
     """With the symmetric root of the matrix, where the method does not depend on the axes."""

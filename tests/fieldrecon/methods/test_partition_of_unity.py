@@ -116,12 +116,14 @@ def largest_jump_of_the_second_derivative(step: float) -> float:
     return float(np.abs(np.diff(second)).max())
 
 
+@pytest.mark.slow
 def test_fields_are_twice_continuously_differentiable():
     """The line crosses the boundaries of balls and enters the region of coarser patches."""
     coarse, fine = map(largest_jump_of_the_second_derivative, (1e-4, 2.5e-5))
     assert fine < 0.35 * coarse
 
 
+@pytest.mark.slow
 def test_a_weight_with_a_kink_is_not_twice_differentiable(monkeypatch):
     """The test above detects (1 - r)², whose second derivative jumps at the boundary."""
 
@@ -166,6 +168,7 @@ def test_the_error_near_the_boundary_is_bounded(monkeypatch):
     assert error_near_the_boundary() > 1.5 * known
 
 
+@pytest.mark.slow
 def test_clusters_of_very_different_sizes_are_interpolated():
     """Patches between clusters are singular up to rounding, and still interpolate smooth data."""
     rng = np.random.default_rng(0)

@@ -30,6 +30,7 @@ def plane(data=None, *names, **options):
 # --- samples in memory ----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("data", "options"),
     [
@@ -103,8 +104,9 @@ def test_degrees_are_known_by_their_units():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["smooth", "pu2", "mean"])
-@pytest.mark.parametrize("lonlat", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("method", "lonlat"), [("smooth", False), ("smooth", True), ("pu2", True), ("mean", False)]
+)
 def test_uncertain_samples_count_less(method, lonlat):
     """With their standard deviations the error is less than half of that without them."""
     points = fr.datasets.uniform(300, 2, seed=2)
@@ -151,6 +153,7 @@ def test_the_mean_of_repeated_samples_is_more_certain():
         plane(table | {"s": [0.1, 0.3, 0.4, -0.5, 0.0]}, sigma="s", value="value")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("width", "method", "in_plane"), [(10.0, "ls2", True), (100.0, "tps", False)]
 )
@@ -213,6 +216,7 @@ VECTORS = pd.DataFrame(
 BOTH = ["east [mm]", "north [km]"]
 
 
+@pytest.mark.slow
 def test_several_values_are_those_of_single_runs_of_their_method():
     """Values and errors to rounding; the score is a mean square of residuals per deviation."""
     both = plane(VECTORS, value=BOTH, method="tps")
@@ -319,6 +323,7 @@ def test_xarray_gives_xarray_on_the_same_grid():
     np.testing.assert_allclose(at_samples.depth, PLANE)
 
 
+@pytest.mark.slow
 def test_targets_may_be_in_memory():
     """A data frame, a grid of xarray or an array; the result is a table of them."""
     some = FRAME.iloc[::7]

@@ -24,6 +24,7 @@ def test_a_sound_mesh_has_no_remarks():
     assert told(sphere(1)) == ()
 
 
+@pytest.mark.slow
 def test_the_suggested_share_fills_a_wide_hole():
     mesh = open_sphere(0.5)
     (sentence,) = told(mesh, largest_hole=0.01)

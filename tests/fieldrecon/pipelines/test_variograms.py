@@ -18,6 +18,7 @@ def random_fields(count, nugget):
     return factor @ rng.standard_normal((len(POINTS), count)) + noise
 
 
+@pytest.mark.slow
 def test_nugget_sill_and_range_are_those_of_random_fields():
     """In the median over fields, to a quarter."""
     found = [variogram(POINTS, z) for z in random_fields(40, nugget=0.3).T]

@@ -18,6 +18,7 @@ def height(rows: int, columns: int) -> float:
         return page.get_size_inches()[1] - 0.25
 
 
+@pytest.mark.slow
 def test_the_default_height_keeps_the_shape_of_the_axes():
     """Axes side by side are lower, and rows add up."""
     assert height(1, 1) == pytest.approx(0.62 * 6.0)

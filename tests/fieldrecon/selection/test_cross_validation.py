@@ -143,6 +143,7 @@ def tracks(count=12):
     return np.column_stack([x.ravel(), y.ravel() + 1e-3 * noise])
 
 
+@pytest.mark.slow
 def test_there_are_gaps_only_where_queries_are_farther_than_samples_are_apart():
     """Between tracks, but not on them, and not among samples everywhere."""
     between, everywhere = np.add(tracks(), [0, 1 / 24]), uniform(2000, 2, seed=1)

@@ -71,6 +71,7 @@ def test_a_grid_between_tracks_is_matched_and_by_leave_one_out_it_is_not():
     assert folds < 0.1 < 0.75 < own
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "cloud", [lambda n, seed: uniform(n, 2, seed), lambda n, seed: clustered(n, 2, 9, 0.1, seed)]
 )
@@ -109,6 +110,7 @@ def test_queries_too_far_for_any_fold_leave_the_range_of_validation():
     assert 0 < held_out_distances(points, folds).max() < 1
 
 
+@pytest.mark.slow
 def test_folds_are_reproducible_and_do_not_depend_on_unit_and_origin():
     """The draws have a fixed seed; another seed draws others."""
     points, x = whole_lines(tracks(5))

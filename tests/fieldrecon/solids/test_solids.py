@@ -176,6 +176,7 @@ def test_a_scan_omits_hidden_points():
     assert scanned(ball, points, normals, [*eye, [-5.0, 0, 0]]).mean() > 1.5 * seen.mean()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("call", "words"),
     [

@@ -168,6 +168,7 @@ def test_results_do_not_depend_on_the_unit(unit):
         np.testing.assert_allclose(there.offsets / unit, here.offsets, atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("loose", "epsilon", "share"), [(0.0, 0.3, 0.05), (0.1, 0.05, 0.8), (0.1, 0.3, 1.0)]
 )

@@ -147,6 +147,7 @@ def test_a_sphere_is_reconstructed_with_third_order():
     assert errors[1] < 1e-4
 
 
+@pytest.mark.slow
 def test_the_default_interpolates_many_points_by_patches():
     """F vanishes at the points and is small between them."""
     points, _ = cloud(TORUS, 2000)
@@ -276,6 +277,7 @@ def test_neighbours_count_by_the_squared_cosine_of_their_elevation(angle, share,
     assert_close(_beside(points, normals, np.array([[1], [0]])), [[share]] * 2, 1e-14)
 
 
+@pytest.mark.slow
 def test_a_sheet_two_spacings_thick_has_two_sides():
     """Neighbours on both sides must not be fitted by one plane."""
     solid = Box([0.44, 0.44, 0.04])
@@ -304,6 +306,7 @@ def test_noise_raises_no_bulge_at_the_edges_of_a_plate():
     assert np.sqrt(np.mean(distance**2)) < 0.28
 
 
+@pytest.mark.slow
 def test_a_sheet_thinner_than_half_the_spacing_is_reported_as_noisy():
     """Given normals and no smoothing, the two sides are reconstructed."""
     solid = Box([0.6, 0.6, 0.01])
@@ -314,6 +317,7 @@ def test_a_sheet_thinner_than_half_the_spacing_is_reported_as_noisy():
     assert body([0, 0, 0.0]) > 0 > max(body([0, 0, 0.02]), body([0, 0, -0.02]))
 
 
+@pytest.mark.slow
 def test_half_a_ball_is_closed_within_its_box(monkeypatch):
     """Without the constraints far from the points the surface extends to the sides of the box."""
     points = spiral(900)
@@ -368,6 +372,7 @@ def test_meshes_are_clean_and_lie_on_the_zero_level(name):
     assert mesh.audit.parts == {"two bodies": 2, "cavity": 2}.get(name, 1)
 
 
+@pytest.mark.slow
 def test_meshes_of_arbitrary_fields_are_clean():
     """The field has waves in all directions, some of them shorter than a cell."""
     k = 9 * np.random.default_rng(5).standard_normal((12, 3))
@@ -448,6 +453,7 @@ def test_points_far_from_the_surface_are_reported():
     assert mesh.missed.tolist() == [500]
 
 
+@pytest.mark.slow
 def test_tiny_components_are_removed(monkeypatch):
     """A ball with a radius of 1.2 cells is removed; one of 2.4 cells is kept."""
     parts = {}

@@ -98,6 +98,7 @@ def test_a_klein_bottle_is_one_sided_and_intersects_itself():
 # --- planted errors, read from a file -------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".ply", ".obj", ".off"])
 @pytest.mark.parametrize("error", PLANTED)
 def test_each_planted_error_is_found_in_a_file(error, suffix, tmp_path):
@@ -131,6 +132,7 @@ def test_every_kind_of_error_is_planted():
     assert {kind for p in PLANTED.values() for kind in p.found} == {*kinds}
 
 
+@pytest.mark.slow
 def test_findings_have_the_indices_of_the_planted_errors():
     n, m = len(sphere(1)[0]), len(sphere(1)[1])
 
@@ -204,15 +206,16 @@ def test_several_errors_are_counted_separately():
 # --- invariance -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("error", PLANTED)
 @pytest.mark.parametrize(
     "change",
     [
         lambda p: np.add(p, [1e7, -1e7, 1e7]),
         lambda p: np.add(p @ ROTATION.T * 1e150, [3e150, 0, 0]),
-        pytest.param(lambda p: p @ ROTATION.T, marks=pytest.mark.slow),
-        pytest.param(lambda p: p * 0.8e308, marks=pytest.mark.slow),
-        pytest.param(lambda p: p * 2.0**-400, marks=pytest.mark.slow),
+        lambda p: p @ ROTATION.T,
+        lambda p: p * 0.8e308,
+        lambda p: p * 2.0**-400,
         lambda p: (p @ ROTATION.T).astype(np.float32),
     ],
     ids=["shifted", "turned and huge", "turned", "largest", "tiny", "single precision"],
@@ -222,6 +225,7 @@ def test_findings_do_not_depend_on_origin_axes_unit_and_precision(error, change)
     assert audit_mesh(change(points), triangles).found == PLANTED[error].found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("error", PLANTED)
 def test_findings_do_not_depend_on_the_order(error):
     """Vertices and triangles are permuted, and the corners of each triangle rotated."""
@@ -233,6 +237,7 @@ def test_findings_do_not_depend_on_the_order(error):
     assert audit_mesh(points[permutation], shuffled).found == PLANTED[error].found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("error", PLANTED)
 def test_findings_do_not_depend_on_reflection(error):
     """The mesh is reflected and each triangle reversed, so outward orientations are kept."""
@@ -461,6 +466,7 @@ def test_an_audit_can_be_written_as_json():
     assert {*written["indices"]} == {"boundary_loops", "t_junctions"}
 
 
+@pytest.mark.slow
 def test_findings_do_not_depend_on_the_chunk_size(monkeypatch):
     surface = together(sphere(2), translated(sphere(2), 0.3, 0.2, 0.1))
     whole = audit_mesh(*surface)

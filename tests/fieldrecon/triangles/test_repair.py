@@ -54,6 +54,7 @@ def volume(points, triangles):
     return np.linalg.det(points[triangles]).sum() / 6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("error", PLANTED)
 def test_each_planted_error_is_repaired_or_reported(error):
     """Errors without a unique correction are left unchanged and are found again by the audit."""
@@ -172,6 +173,7 @@ def test_solids_are_oriented_outward_and_cavities_inward():
         assert signs == [1, -1, 1, -1]
 
 
+@pytest.mark.slow
 def test_large_holes_are_filled_on_request_only():
     """A cube without its top stays open by default.
 
@@ -208,6 +210,7 @@ def touching_holes():
     yield (points, triangles), np.flatnonzero(near.any(axis=1) & (near.sum(axis=1) < 2))
 
 
+@pytest.mark.slow
 def test_holes_that_touch_are_filled_one_at_a_time():
     """The bodies are whole again, with about their volume."""
     for (points, triangles), taken in touching_holes():
@@ -326,7 +329,7 @@ def test_no_repair_adds_an_error():
 
 
 @pytest.mark.slow
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(
     st.integers(0, 2**32 - 1),
     st.integers(0, len(BODIES) - 1),

@@ -232,6 +232,7 @@ def test_the_divergent_part_of_the_data_does_not_affect_the_velocity():
         assert abs(other.defect[0] - one.defect[0]) > 1e-3
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10**6), st.integers(2, 3))
 def test_the_normal_equations_hold_in_any_simplex(seed, d):
     """Nᵀ(Nu - v) = 0, however flat the cell is."""
@@ -331,6 +332,7 @@ def test_weights_have_the_order_of_the_requested_vertices(mesh):
     assert circumcenter_weights(mesh, []).shape == (0, len(mesh.cells))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("u", "d", "sides"), [(taylor_green, 2, (16, 64)), (abc_flow, 3, (8, 16))])
 def test_vertex_velocities_of_smooth_fields_are_of_second_order(u, d, sides):
     """This holds at interior and at boundary vertices."""

@@ -190,6 +190,7 @@ def interior_error(mesh: SimplexMesh, by) -> float:
     return rms(found - wavy_gradient(mesh.points[vertices]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["LS", "MLS", "RBF"])
 @pytest.mark.parametrize(("d", "sides"), [(2, (16, 64)), (3, (6, 12))])
 def test_gradients_on_irregular_meshes_are_of_first_order(method, d, sides):

@@ -344,6 +344,7 @@ def test_the_least_norm_solution_of_a_cross_depends_on_the_origin():
     assert_close(at_the_centre, u[0], EXACT)  # every solution gives this value
 
 
+@pytest.mark.slow
 def test_rings_are_minimal(mesh):
     """With one ring fewer, the singular values of B' show an amplification above ten."""
     d = mesh.points.shape[1]
@@ -373,6 +374,7 @@ def test_vertex_velocities_equal_weighted_least_squares():
 # --- smooth fields ------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("u", "d", "sides"), [(taylor_green, 2, (16, 64)), (abc_flow, 3, (6, 12))])
 @pytest.mark.parametrize("weighted", [False, True])
 def test_vertex_velocities_of_smooth_fields_are_of_second_order(u, d, sides, weighted):

@@ -74,6 +74,7 @@ def test_the_deforming_flow_is_divergence_free_and_reverses():
     assert_close(advection.deforming(1.5, side, 0.0)[:, 0], np.zeros(5), 1e-12)
 
 
+@pytest.mark.slow
 def test_the_initial_shapes_have_their_known_integrals():
     """The area of the slotted disc, and the volumes of cone and hump, summed on a fine grid."""
     g = (np.arange(1000) + 0.5) / 1000

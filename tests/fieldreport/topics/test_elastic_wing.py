@@ -127,6 +127,7 @@ def test_the_divergence_pressure_of_a_straight_wing_agrees_with_strip_theory():
     assert abs(check.computed / check.closed_form - 1) < 0.002
 
 
+@pytest.mark.slow
 def test_a_forward_swept_wing_diverges_where_the_iteration_does():
     """For a wing swept back the plain iteration diverges too, although the wing does not."""
     forward, back = wing(-20.0), wing(30.0)

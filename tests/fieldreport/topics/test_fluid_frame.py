@@ -104,6 +104,7 @@ def flux_by_quadrature(mesh):
     return (u * mesh.face_normals).sum(axis=1)
 
 
+@pytest.mark.slow
 def test_the_mean_normal_velocities_agree_with_quadrature(mesh):
     """The library computes them from the stream function or the vector potential."""
     np.testing.assert_allclose(mean_normal_velocities(mesh), flux_by_quadrature(mesh), atol=2e-3)

@@ -27,6 +27,7 @@ def test_the_ellipsoid_has_exact_points_and_normals():
     assert np.cross(points / half**2, normals) == pytest.approx(np.zeros((50, 3)), abs=1e-12)
 
 
+@pytest.mark.slow
 def test_the_table_measures_distances_in_spacings():
     """A ball is reconstructed with errors far below one spacing, in one part."""
     points = experiment.ellipsoid(400)[0] / [1.0, 0.8, 0.6]
