@@ -47,8 +47,8 @@ test: $(ready) ## run the tests except those marked slow
 	@$(pytest) -m "not slow"
 
 # Many of them wait for sandboxes, so three processes are better than two on two cores.
-test-slow: $(ready) ## run the tests marked slow
-	@$(pytest) --numprocesses=3 -m slow
+test-slow: $(ready) ## run the tests marked slow; TESTS=tests/hostile for those of a folder
+	@$(pytest) --numprocesses=3 -m slow $(TESTS)
 
 test-all: $(ready) ## run every test
 	@$(pytest)

@@ -45,7 +45,7 @@ class Size:
 
 FULL = Size()
 QUICK = Size(submissions=20, of_nbgrader=2, of_otter=1, repeats=1)
-TOY = Size(submissions=7, of_nbgrader=0, of_otter=0, assignments=(SMALL,), repeats=1)
+TOY = Size(submissions=3, of_nbgrader=0, of_otter=0, assignments=(SMALL,), repeats=1)
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ class Size:
 
 FULL = Size()
 QUICK = Size(submissions=60)
-TOY = Size(submissions=6, notebooks=1)
+TOY = Size(submissions=3, notebooks=1)
 
 
 def run(size: Size, track: Track) -> BenchmarkResult:

@@ -414,10 +414,10 @@ def minimum():
 # %% [markdown]
 # ## In words
 #
-# **01.7** When is $\mathbf{B}\mathbf{c} = \mathbf{V}$
-# over-determined, and when under-determined? Begin with the dimensions of $\mathbf{B}$,
-# $\mathbf{c}$, $\mathbf{V}$ and $\mathbf{B}^T\mathbf{B}$. Then give an example for which it is not
-# enough to compare the numbers of equations and unknowns.
+# **01.7** Is $\mathbf{B}\mathbf{c} = \mathbf{V}$ over-determined or under-determined? (a) State the
+# dimensions of $\mathbf{B}$, $\mathbf{c}$, $\mathbf{V}$ and $\mathbf{B}^T\mathbf{B}$. (b) Compare
+# the numbers of equations and unknowns: for which $N$ does each case occur? (c) Give an example for
+# which this comparison is not enough.
 #
 # <details><summary>Hint</summary>
 #
@@ -426,32 +426,41 @@ def minimum():
 # </details>
 
 # %% [markdown] answer="01.7" points=3 minutes=10 words=80
-# $\mathbf{B}$ is $N \times (D+1)$, $\mathbf{c}$ has $D+1$ entries, $\mathbf{V}$ has $N$, and
-# $\mathbf{B}^T\mathbf{B}$ is $(D+1) \times (D+1)$. By counting, the system is over-determined for
-# $N > D+1$ and under-determined for $N < D+1$. Counting is not enough: the rank of $\mathbf{B}$ is
-# one more than the dimension of the affine hull of the points. A hundred points on a line of the
-# plane give rank 2. Then the system is over-determined along the line, where the data need not
-# agree. It is under-determined across the line, where any slope fits.
+# (a) $\mathbf{B}$ is $N \times (D+1)$, $\mathbf{c}$ has $D+1$ entries, $\mathbf{V}$ has $N$, and
+# $\mathbf{B}^T\mathbf{B}$ is $(D+1) \times (D+1)$.
+#
+# (b) By counting, the system is over-determined for $N > D+1$ and under-determined for $N < D+1$.
+#
+# (c) For a hundred points on a line of the plane, $\mathbf{B}$ has three columns and the rank 2.
+# The system is over-determined along the line, where the data need not agree. It is
+# under-determined across the line, where any slope fits.
+#
+# *Beyond the question.* The rank of $\mathbf{B}$ is one more than the dimension of the affine hull
+# of the points.
 
 # %% [markdown] rubric="01.7"
-# One point for the four dimensions. One for the two cases by counting. One for seeing that the
-# affine hull decides: an example such as collinear points suffices.
+# (a) One point for the four dimensions. (b) One for the two cases by counting. (c) One for an
+# example such as collinear points, where the rank is less than the number of columns.
 
 # %% [markdown]
-# **01.8** The notes call (1.4) the method of the
-# *pseudo-inverse* (page 5). For which $\mathbf{B}$ is $(\mathbf{B}^T\mathbf{B})^{-1}\mathbf{B}^T$
-# the pseudo-inverse, and what goes wrong for other $\mathbf{B}$?
+# **01.8** The notes call (1.4) the method of the *pseudo-inverse* (page 5). (a) For which
+# $\mathbf{B}$ is $(\mathbf{B}^T\mathbf{B})^{-1}\mathbf{B}^T$ the pseudo-inverse, and what does this
+# mean for the points? (b) What goes wrong for other $\mathbf{B}$?
 
 # %% [markdown] answer="01.8" points=2 minutes=10 words=50
-# If $\mathbf{B}$ has full column rank $D+1$, that is, if no hyperplane contains all points:
-# $\mathbf{c}^T\mathbf{B}^T\mathbf{B}\mathbf{c} = \lVert\mathbf{B}\mathbf{c}\rVert^2$ is then zero
-# for $\mathbf{c} = \mathbf{0}$ only. Otherwise the inverse does not exist, and rounding errors may
-# hide that: a solver returns large numbers without a warning. The pseudo-inverse itself still
-# exists. It selects the coefficients of least norm, which depend on the position of the origin.
+# (a) For $\mathbf{B}$ of full column rank $D+1$: no hyperplane contains all points.
+#
+# (b) The inverse does not exist, and rounding errors may hide this: a solver returns large numbers
+# without a warning. The pseudo-inverse itself selects the coefficients of least norm, which depend
+# on the origin.
+#
+# *Beyond the question.* With full column rank $\mathbf{c}^T\mathbf{B}^T\mathbf{B}\mathbf{c} =
+# \lVert\mathbf{B}\mathbf{c}\rVert^2$ is zero for $\mathbf{c} = \mathbf{0}$ only, so
+# $\mathbf{B}^T\mathbf{B}$ is invertible.
 
 # %% [markdown] rubric="01.8"
-# One point for full column rank, with its meaning for the points. One for what goes wrong: no
-# inverse, or a least-norm answer that depends on the origin.
+# (a) One point for full column rank, with its meaning for the points. (b) One for what goes wrong:
+# no inverse, or an answer of least norm that depends on the origin.
 
 # %% [markdown]
 # ## Dig deeper

@@ -30,7 +30,9 @@
 # Hastie, Tibshirani and Friedman, *The Elements of Statistical Learning*, chapters 6 and 7.
 #
 # Each question asks for a function. Write it, run its cell, and run the check below it. The check
-# reports whether the function is right and, if it is not, which mistake is likely.
+# reports whether the function is right and, if it is not, which mistake is likely. After a check
+# that is not right, `case()` in a new cell shows the inputs for which your function failed, your
+# values, and the right ones.
 
 # %% tags=["setup"]
 import numpy as np
@@ -304,9 +306,9 @@ def line_at_a_point(x, epsilon):
 # %% [markdown]
 # ### In words
 #
-# **02.3** For which points $\mathbf{p}_1, \dots, \mathbf{p}_N$ is the matrix
-# $\mathbf{H}(\mathbf{x})$ of (2.5) non-singular, with the weights (2.3)? Begin with the dimensions
-# of $\mathbf{H}$, and prove your answer.
+# **02.3** (a) Which dimensions has the matrix $\mathbf{H}(\mathbf{x})$ of (2.5)? (b) For which
+# points $\mathbf{p}_1, \dots, \mathbf{p}_N$ is it non-singular, with the weights (2.3)? Prove your
+# answer. (c) Which property of the weights makes your answer independent of the evaluation point?
 #
 # <details><summary>Hint</summary>
 #
@@ -316,22 +318,27 @@ def line_at_a_point(x, epsilon):
 # </details>
 
 # %% [markdown] answer="02.3" points=4 minutes=15 words=100
-# $\mathbf{H}$ is $(D+1) \times (D+1)$, for any number of points. It is symmetric, and
-# $\mathbf{c}^T\mathbf{H}\mathbf{c} = \lVert \mathbf{W}\mathbf{B}\mathbf{c} \rVert^2 \ge 0$. If
-# $\mathbf{H}\mathbf{c} = \mathbf{0}$ this is zero, so $\mathbf{W}\mathbf{B}\mathbf{c} =
-# \mathbf{0}$. All weights of (2.3) are positive, so $\mathbf{W}$ is invertible, and
-# $\mathbf{B}\mathbf{c} = \mathbf{0}$ follows: the affine field with coefficients $\mathbf{c}$
-# vanishes at every point. For $\mathbf{c} \neq \mathbf{0}$ the zeros of an affine field form a
-# hyperplane, or there are none. So $\mathbf{H}$ is non-singular if and only if no hyperplane
-# contains all points: no line for $D = 2$, no plane for $D = 3$. At least $D + 1$ points are
-# needed. The evaluation point $\mathbf{x}$ has no influence. With weights that vanish beyond some
-# distance only the points with positive weight would count, and the answer would depend on
-# $\mathbf{x}$.
+# (a) $\mathbf{H}$ is $(D+1) \times (D+1)$, for any number of points.
+#
+# (b) It is non-singular if and only if no hyperplane contains all points. If
+# $\mathbf{H}\mathbf{c} = \mathbf{0}$, then $\lVert \mathbf{W}\mathbf{B}\mathbf{c} \rVert^2 =
+# \mathbf{c}^T\mathbf{H}\mathbf{c} = 0$. Since $\mathbf{W}$ is invertible, $\mathbf{B}\mathbf{c} =
+# \mathbf{0}$: the affine field with coefficients $\mathbf{c}$ vanishes at every point. For
+# $\mathbf{c} \neq \mathbf{0}$ its zeros form a hyperplane, or there are none. Conversely, if a
+# hyperplane contains all points, some affine field $\mathbf{c} \neq \mathbf{0}$ vanishes at all of
+# them, and $\mathbf{H}\mathbf{c} = \mathbf{0}$.
+#
+# (c) All weights are positive, so $\mathbf{W}$ is invertible at every $\mathbf{x}$. The evaluation
+# point has no influence.
+#
+# *Beyond the question.* The hyperplane is a line for $D = 2$ and a plane for $D = 3$. At least $D +
+# 1$ points are needed. With weights that vanish beyond some distance only the points with positive
+# weight would count, and the answer would depend on $\mathbf{x}$.
 
 # %% [markdown] rubric="02.3"
-# One point for the dimensions, independent of $N$. Two for the condition that no hyperplane
-# contains all points: one for the statement, one for the proof. One for using that all weights are
-# positive, so that the evaluation point has no influence.
+# (a) One point for the dimensions, independent of $N$. (b) Two for the condition that no hyperplane
+# contains all points: one for the statement, one for the proof; the converse is not required. (c)
+# One for using that all weights are positive, so that the evaluation point has no influence.
 
 # %% [markdown]
 # ## The field
@@ -358,9 +365,9 @@ def field(points, values, x, epsilon):
     """
     # BEGIN SOLUTION
     result = []
-    for place in x:
-        c = weighted_fit(points, values, weights(points, place, epsilon))
-        result.append(c[0] + c[1:] @ place)
+    for query in x:
+        c = weighted_fit(points, values, weights(points, query, epsilon))
+        result.append(c[0] + c[1:] @ query)
     return np.array(result)
     # END SOLUTION
 
@@ -530,13 +537,15 @@ def valley(x, epsilon):
 # </details>
 
 # %% [markdown] answer="02.6" points=3 minutes=10 words=50
-# With $\mathbf{x}$ fixed, $\psi$ is a quadratic function of $\mathbf{c}$. Its gradient is
-# $\nabla_{\mathbf{c}}\psi = (\mathbf{W}\mathbf{B})^T(\mathbf{W}\mathbf{B}\mathbf{c} -
-# \mathbf{W}\mathbf{V}) = \mathbf{B}^T\mathbf{W}^2(\mathbf{B}\mathbf{c} - \mathbf{V})$, because
-# $\mathbf{W}$ is diagonal. It is zero if and only if (2.5) holds. The matrix of second derivatives
-# is $\mathbf{H} = \mathbf{B}^T\mathbf{W}^2\mathbf{B}$, which is positive semi-definite. So $\psi$
-# is convex, and a zero of the gradient is a global minimum. It is the only one if $\mathbf{H}$ is
-# non-singular, for then $\psi(\mathbf{c}^* + \mathbf{d}) = \psi(\mathbf{c}^*) + \tfrac12
+# For fixed $\mathbf{x}$, $\nabla_{\mathbf{c}}\psi =
+# (\mathbf{W}\mathbf{B})^T(\mathbf{W}\mathbf{B}\mathbf{c} - \mathbf{W}\mathbf{V}) =
+# \mathbf{B}^T\mathbf{W}^2(\mathbf{B}\mathbf{c} - \mathbf{V})$, because $\mathbf{W}$ is diagonal. It
+# is zero if and only if (2.5) holds. The matrix of second derivatives is $\mathbf{H}$, which is
+# positive semi-definite, hence positive definite if non-singular. So $\psi$ is strictly convex, and
+# the zero of its gradient is its only minimum.
+#
+# *Beyond the question.* The same follows without convexity from the completed square:
+# $\psi(\mathbf{c}^* + \mathbf{d}) = \psi(\mathbf{c}^*) + \tfrac12
 # \mathbf{d}^T\mathbf{H}\mathbf{d} > \psi(\mathbf{c}^*)$ for every $\mathbf{d} \neq \mathbf{0}$.
 
 # %% [markdown] rubric="02.6"
@@ -634,14 +643,14 @@ def gradient(points, values, x, epsilon):
     """
     # BEGIN SOLUTION
     result = np.empty(x.shape)
-    for j, place in enumerate(x):
-        w = weights(points, place, epsilon)
+    for j, query in enumerate(x):
+        w = weights(points, query, epsilon)
         c = weighted_fit(points, values, w)
         residual = values - c[0] - points @ c[1:]
-        for k in range(len(place)):
-            g = -4 * w * (place[k] - points[:, k]) * residual
+        for k in range(len(query)):
+            g = -4 * w * (query[k] - points[:, k]) * residual
             dc = weighted_fit(points, g, w)
-            result[j, k] = c[1 + k] + dc[0] + dc[1:] @ place
+            result[j, k] = c[1 + k] + dc[0] + dc[1:] @ query
     return result
     # END SOLUTION
 
@@ -746,17 +755,17 @@ def slopes(epsilon):
 
 
 # %% question="02.8" minutes=15 optional
-def errors(points, places, n, epsilon):
+def errors(points, queries, n, epsilon):
     """Return E of (2.9) for least and for moving least squares, of shape (2,).
 
     The field (x_1 + x_2)ⁿ is measured at points (N, 2). Both methods are evaluated at
-    places (M, 2).
+    queries (M, 2).
     """
     # BEGIN SOLUTION
-    values, truth = np.sum(points, axis=1) ** n, np.sum(places, axis=1) ** n
+    values, truth = np.sum(points, axis=1) ** n, np.sum(queries, axis=1) ** n
     c = weighted_fit(points, values, np.ones(len(points)))
-    plain = c[0] + places @ c[1:] - truth
-    moving = field(points, values, places, epsilon) - truth
+    plain = c[0] + queries @ c[1:] - truth
+    moving = field(points, values, queries, epsilon) - truth
     return np.sqrt([np.mean(plain**2), np.mean(moving**2)])
     # END SOLUTION
 
@@ -771,14 +780,14 @@ check("02.8")
 # %%
 @draw(epsilon=Slider(0.01, 3, 0.05, "ε", logarithmic=True))
 def comparison(epsilon):
-    points, places = data("02.8")[:2]
+    points, queries = data("02.8")[:2]
     powers = range(2, 9)
-    both = np.array([errors(points, places, n, epsilon) for n in powers])
-    first = max(errors(points, places, 1, epsilon))
+    both = np.array([errors(points, queries, n, epsilon) for n in powers])
+    first = max(errors(points, queries, 1, epsilon))
     with figure(6.4, 3.0) as page:
         left, right = page.subplots(1, 2, width_ratios=(1, 1.5))
         left.plot(*points.T, ".", ms=4, color=BLUE, label="measured")
-        left.plot(*places.T, "x", color=ORANGE, label="evaluated")
+        left.plot(*queries.T, "x", color=ORANGE, label="evaluated")
         left.set(**SQUARE)
         left.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncols=2)
         names = ("least squares", "moving least squares")
@@ -858,12 +867,12 @@ def least_objective(noise):
     points, v, _ = noisy(3, noise)
     with figure(6.4, 2.8) as page:
         axes = page.subplots()
-        places = data("02.8")[1][:3]
-        for place, color in zip(places, (BLUE, ORANGE, GREEN), strict=True):
-            lowest, label = [], f"({place[0]:.2f}, {place[1]:.2f})"
+        queries = data("02.8")[1][:3]
+        for query, color in zip(queries, (BLUE, ORANGE, GREEN), strict=True):
+            lowest, label = [], f"({query[0]:.2f}, {query[1]:.2f})"
             for width in WIDTHS:
-                c = weighted_fit(points, v, weights(points, place, width))
-                lowest.append(objective(points, v, place, width, c))
+                c = weighted_fit(points, v, weights(points, query, width))
+                lowest.append(objective(points, v, query, width, c))
             axes.loglog(WIDTHS, lowest, color=color, label=label)
         axes.set(xlabel=r"$\varepsilon$", ylabel=r"minimum of $\psi$ over $\mathbf{c}$")
         axes.legend(title=r"at $\mathbf{x} =$")
@@ -933,10 +942,10 @@ def criteria(n, noise):
     for width in WIDTHS:
         unseen.append(np.sqrt(np.mean(leave_one_out(points, v, width) ** 2)))
         lowest, total = [], []
-        for place in data("02.8")[1]:
-            there = weights(points, place, width)
+        for query in data("02.8")[1]:
+            there = weights(points, query, width)
             best = weighted_fit(points, v, there)
-            lowest.append(objective(points, v, place, width, best))
+            lowest.append(objective(points, v, query, width, best))
             total.append(np.sum(there**2))
         sums.append(np.sum(lowest))
         means.append(np.sum(np.divide(lowest, total)))
@@ -1037,10 +1046,10 @@ def landscape_errors(number, noise):
 #
 # ### In words
 #
-# **02.10** Why does the minimum of $\psi$ over $\mathbf{c}$ select the largest $\varepsilon$ for
-# all data, while leave-one-out cross-validation selects an $\varepsilon$ close to the best one?
-# Consider data with noise and without. (If an affine field fits the data exactly, $\psi$ is zero
-# for every $\varepsilon$.)
+# **02.10** (a) Prove that the minimum of $\psi$ over $\mathbf{c}$ never increases with
+# $\varepsilon$, whatever the data, and therefore selects a large $\varepsilon$. (b) Does $\psi$
+# measure the error of the field at $\mathbf{x}$? Give a reason. (c) Why does leave-one-out
+# cross-validation select an $\varepsilon$ close to the best one, also for noisy data?
 #
 # <details><summary>Hint</summary>
 #
@@ -1049,32 +1058,34 @@ def landscape_errors(number, noise):
 #
 # </details>
 
-# %% [markdown] answer="02.10" points=5 minutes=20 words=170 optional
-# *The objective.* For fixed $\mathbf{c}$ every weight $w_i = 1/(r_i^2 + \varepsilon^2)$ decreases
-# as $\varepsilon$ grows, so each term of (2.7) decreases. With $\varepsilon_1 < \varepsilon_2$ and
-# minimisers $\mathbf{c}_1, \mathbf{c}_2$, we have $\psi_2(\mathbf{c}_2) \le \psi_2(\mathbf{c}_1)
-# \le \psi_1(\mathbf{c}_1)$. So the minimum of $\psi$ decreases for *all* data, unless it is zero
-# from the start, as for an affine field. In the limit it decreases like $\varepsilon^{-4}$. It
-# always selects $\varepsilon = \infty$, which is least squares. Two values of $\psi$ with different
-# $\varepsilon$ have different weights and cannot be compared. Moreover $\psi$ measures residuals at
-# points that the fit has used. It is not an error at $\mathbf{x}$, where nothing was measured.
+# %% [markdown] answer="02.10" points=5 minutes=20 words=130 optional
+# (a) Let $\psi_1$ and $\psi_2$ belong to $\varepsilon_1 < \varepsilon_2$, with the minimisers
+# $\mathbf{c}_1$ and $\mathbf{c}_2$. For fixed $\mathbf{c}$ every weight $w_i = 1/(r_i^2 +
+# \varepsilon^2)$ decreases as $\varepsilon$ grows, so each term of (2.7) decreases or is zero.
+# Hence $\psi_2(\mathbf{c}_2) \le \psi_2(\mathbf{c}_1) \le \psi_1(\mathbf{c}_1)$.
 #
-# *Leave-one-out* evaluates the field at points whose measurement it has not used. A field that
+# (b) No. The residuals in $\psi$ are at points that the fit has used. They are not errors at
+# $\mathbf{x}$, where nothing was measured.
+#
+# (c) Leave-one-out evaluates the field at points whose measurement it has not used. A field that
 # follows the noise predicts the omitted value badly, and so does a field that is too stiff. The
 # mean of $e_i^2$ estimates the squared error plus the variance of the noise. The variance does not
 # depend on $\varepsilon$, so the minimum is close to the best $\varepsilon$.
 #
-# *The best $\varepsilon$.* Without noise it is small: below about a tenth of the spacing of the
-# points the error is constant, and above the spacing it grows up to that of least squares. With
-# noise the best $\varepsilon$ is larger, and grows with the noise, since the field must average
-# several points. If the true field is affine, $\varepsilon \to \infty$ is best.
+# *Beyond the question.* The minimum of $\psi$ even decreases strictly, unless it is zero from the
+# start, as for affine data. In the limit it decreases like $\varepsilon^{-4}$, and the selected
+# method is least squares. Values of $\psi$ for different $\varepsilon$ have different weights and
+# cannot be compared. Without noise the best $\varepsilon$ is small: below about a tenth of the
+# spacing of the points the error is constant, and above the spacing it grows up to that of least
+# squares. With noise the best $\varepsilon$ is larger, since the field must average several points.
+# If the true field is affine, $\varepsilon \to \infty$ is best.
 
 # %% [markdown] rubric="02.10"
-# Two points for the proof that $\psi$ decreases for all data. One for saying that $\psi$ measures
-# residuals of data that the fit has used, not the error at $\mathbf{x}$. One for leave-one-out:
-# data that the fit has not used, and a variance that does not depend on $\varepsilon$. One for the
-# best $\varepsilon$ without noise and with it. An answer that recommends $\psi$ gets none of the
-# first three.
+# (a) Two points for the proof: one for the terms with fixed $\mathbf{c}$, one for the minimum over
+# $\mathbf{c}$. (b) One for saying that $\psi$ measures residuals of data that the fit has used, not
+# the error at $\mathbf{x}$. (c) Two for leave-one-out: one for data that the fit has not used, one
+# for a variance of the noise that does not depend on $\varepsilon$. An answer that recommends
+# $\psi$ gets no points for (a) and (b).
 
 # %% [markdown]
 # ## Dig deeper

@@ -30,7 +30,9 @@
 # MATLAB*, chapters 2 and 6 to 9; Duchon, *Splines minimizing rotation-invariant semi-norms in
 # Sobolev spaces* (1977).
 #
-# Each question asks for a function. Write it, run its cell, and run the check below it.
+# Each question asks for a function. Write it, run its cell, and run the check below it. After a
+# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
+# your values, and the right ones.
 
 # %% tags=["setup"]
 import numpy as np
@@ -669,35 +671,36 @@ def one_value_changed(which):
 # </details>
 
 # %% [markdown] answer="03.8" points=4 minutes=15 words=80
-# *Counting.* The field has $N + D + 1$ unknowns and must satisfy $N$ interpolation conditions. The
-# constraints are the $D + 1$ missing equations.
+# *Counting.* For $N + D + 1$ unknowns there are $N$ interpolation conditions; (3.4) has the missing
+# equations.
 #
-# *Affine data.* If $\phi_i = \mathbf{b}(\mathbf{p}_i)^T\mathbf{a}$, then $\boldsymbol{\lambda} =
-# \mathbf{0}$, $\mathbf{c} = \mathbf{a}$ satisfies all equations. So affine fields are reproduced
-# exactly. Kernels alone do not reproduce them.
+# *Affine data.* Affine fields satisfy (3.5) with $\boldsymbol{\lambda} = \mathbf{0}$ and are
+# reproduced; kernels alone cannot do this.
 #
-# *Far away.* Each kernel grows like $R^2 \log R$. Expanded for large $R$, the fastest terms have
-# the factors $\sum_j \lambda_j$ and $\sum_j \lambda_j \mathbf{p}_j$, which (3.4) makes zero. The
-# remaining terms grow at most like an affine function, and the bending energy is finite.
+# *Far away.* Kernels grow like $R^2 \log R$. By (3.4) the factors $\sum_j \lambda_j$ and $\sum_j
+# \lambda_j \mathbf{p}_j$ of the fastest terms vanish, so $f$ grows at most linearly.
 #
-# *Uniqueness.* For distinct points and vectors that satisfy (3.4),
-# $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda}$ is positive unless $\boldsymbol{\lambda} =
-# \mathbf{0}$. With zero values (3.5) gives $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} =
-# -(\mathbf{B}^T\boldsymbol{\lambda})^T\mathbf{c} = 0$, hence $\boldsymbol{\lambda} = \mathbf{0}$
-# and then $\mathbf{B}\mathbf{c} = \mathbf{0}$. Without the constraints $\mathbf{A}$ may be
-# singular: for an equilateral triangle of side 1 it is the zero matrix.
+# *Uniqueness.* Under (3.4) $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} > 0$ for
+# $\boldsymbol{\lambda} \neq \mathbf{0}$, so $\boldsymbol{\lambda}$ is unique. $\mathbf{A}$ alone
+# may be singular: for an equilateral triangle of side 1 it is zero.
 #
-# They are also the conditions for the least energy, with $\mathbf{c}$ as Lagrange multipliers. And
-# they make the field independent of the unit of length.
+# *Beyond the question.* The proof of uniqueness, for distinct points that no hyperplane contains:
+# with zero values (3.5) gives $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} =
+# -(\mathbf{B}^T\boldsymbol{\lambda})^T\mathbf{c} = 0$. Hence $\boldsymbol{\lambda} = \mathbf{0}$,
+# then $\mathbf{B}\mathbf{c} = \mathbf{0}$ and $\mathbf{c} = \mathbf{0}$. The second derivatives of
+# $f$ decay like $R^{-2}$, so the bending energy is finite. The constraints are also the conditions
+# for the least energy, with $\mathbf{c}$ as Lagrange multipliers. And they make the field
+# independent of the unit of length.
 
 # %% [markdown] rubric="03.8"
-# One point for each of four roles with a reason: as many equations as unknowns; exact for affine
-# data; growth far away (or finite energy); definiteness and uniqueness. Least energy or
+# One point for each of four consequences with a reason: as many equations as unknowns; exact for
+# affine data; growth far away (or finite energy); definiteness and uniqueness. Least energy or
 # independence of the unit may stand for one of them.
 
 # %% [markdown]
 # **03.9** The notes say about (3.5): "This is a symmetric positive definite system and will always
-# have a unique solution" (page 13). Correct this statement, with reasons.
+# have a unique solution" (page 13). (a) Show that the matrix is not positive definite. (b) For
+# which points is there a unique solution for all values? Say what goes wrong for other points.
 #
 # <details><summary>Hint</summary>
 #
@@ -708,23 +711,23 @@ def one_value_changed(which):
 # </details>
 
 # %% [markdown] answer="03.9" points=4 minutes=15 words=80
-# $\mathbf{H}_{\mathrm{RBF}}$ is $(N + D + 1) \times (N + D + 1)$. It is symmetric, but not positive
-# definite: with the first unit vector $\mathbf{e}_1^T\mathbf{H}\mathbf{e}_1 = w(\mathbf{0}) = 0$.
-# Its trace is zero, so there are eigenvalues of both signs: $N$ positive and $D + 1$ negative ones,
-# if the solution is unique. A Cholesky factorization needs a positive pivot at each step and fails
-# at the first, which is zero. Suitable are elimination with row exchanges, a factorization
-# $\mathbf{L}\mathbf{D}\mathbf{L}^T$, or Cholesky for $\mathbf{A}$ restricted to the vectors that
-# satisfy (3.4), where it is positive definite.
+# (a) With the first unit vector $\mathbf{e}_1^T\mathbf{H}\mathbf{e}_1 = w(\mathbf{0}) = 0$, which
+# is not positive. The trace of $\mathbf{H}$ is zero too, so there are eigenvalues of both signs.
 #
-# There is a unique solution for all values if and only if the points are distinct and unisolvent
-# for affine fields, that is, no hyperplane contains all of them. Two equal points make two rows
-# equal. For points on one line of the plane, an affine field that vanishes on the line can be added
-# to $f$, and the sum still interpolates the values.
+# (b) There is a unique solution if and only if the points are distinct and no hyperplane contains
+# all of them. Two equal points make two rows equal. If a hyperplane contains all points, an affine
+# field that vanishes there can be added to $f$, and the sum still interpolates the values.
+#
+# *Beyond the question.* If the solution is unique, $N$ eigenvalues are positive and $D + 1$
+# negative. A Cholesky factorization needs a positive pivot at each step and fails at the first,
+# which is zero. Suitable are elimination with row exchanges, and a factorization
+# $\mathbf{L}\mathbf{D}\mathbf{L}^T$ with pivoting and blocks of size two. On the vectors that
+# satisfy (3.4) $\mathbf{A}$ is positive definite, so Cholesky is possible there.
 
 # %% [markdown] rubric="03.9"
-# Two points for indefinite, with a reason: zero diagonal, zero trace, or counted eigenvalues; half
-# of them if the reason is missing. Two for uniqueness: one for distinct points, one for points that
-# no hyperplane contains.
+# (a) Two points: one for "not positive definite", one for a reason, such as a zero on the diagonal,
+# the zero trace, or counted eigenvalues. (b) Two points, each with what goes wrong otherwise: one
+# for distinct points, one for points that no hyperplane contains.
 
 # %% [markdown]
 # ## Dig deeper

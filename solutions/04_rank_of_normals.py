@@ -27,8 +27,11 @@
 # staggered (MAC) grid, stream function, conic through five points. **Read**: Strang, *Introduction
 # to Linear Algebra*, the chapters on the four subspaces and on the singular value decomposition.
 #
-# Each question asks for a function. Write it, run its cell, and run the check below it.
-#
+# Each question asks for a function. Write it, run its cell, and run the check below it. After a
+# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
+# your values, and the right ones.
+
+# %% [markdown]
 # ## A finished function
 #
 # The next cell ends with a finished function, `velocity`. Read it and imitate its style. It
@@ -601,45 +604,48 @@ def star(neighbours, shift):
 #
 # ## In words
 #
-# **04.8** Let $N \ge 6$ and let $\mathbf{B}$ have full column rank. Which "obvious" conditions on
-# the normals $\mathbf{n}_i$ are necessary, so that $\mathbf{B}'$ has full column rank (page 42)?
-# Show that they are necessary, and give an example which shows that they are not sufficient.
+# **04.8** Let $N \ge 6$ and let $\mathbf{B}$ have full column rank. The notes ask for "obvious"
+# conditions on the normals $\mathbf{n}_i$ that are necessary for full column rank of $\mathbf{B}'$
+# (page 42). Condition (4.5) is one of them. (a) Prove that it is necessary. (b) Give an example
+# which shows that it is not sufficient.
 #
 # <details><summary>Hint</summary>
 #
-# Begin with the simplest flows: constant ones, then those of one direction. For the example think
-# of a wheel.
+# For (a) let (4.5) be violated, and look for a tangent flow of one direction, $\mathbf{u} =
+# \alpha\,\mathbf{m}$. For (b) think of a wheel.
 #
 # </details>
 
 # %% [markdown] answer="04.8" points=4 minutes=15 words=100
-# Necessary is that not all normals are parallel, since then nothing is known of the component along
-# the edges, and the rank is three. More generally, for each direction $\mathbf{m}$ the points of
-# the samples with $\mathbf{n}_i^T\mathbf{m} \neq 0$ must not lie on one line. Otherwise there is an
-# affine function $\alpha \neq 0$ that vanishes at all of them, and $\mathbf{u} =
-# \alpha\,\mathbf{m}$ is tangent to every sample: where $\alpha \neq 0$ the normal is perpendicular
-# to $\mathbf{m}$. For the directions of the axes this says that $\mathbf{N}_x\mathbf{B}$ and
-# $\mathbf{N}_y\mathbf{B}$ have rank three each, with the components of the normals on the diagonals
-# of $\mathbf{N}_x$ and $\mathbf{N}_y$.
+# (a) Let (4.5) fail for $\mathbf{m}$. The points with $\mathbf{n}_i^T\mathbf{m} \neq 0$ are on one
+# line, so an affine function $\alpha \neq 0$ vanishes at them. The affine flow $\mathbf{u} =
+# \alpha\,\mathbf{m} \neq \mathbf{0}$ is tangent to every sample, since $\alpha(\mathbf{p}_i) = 0$
+# or $\mathbf{n}_i^T\mathbf{m} = 0$. So the rank is less than six.
 #
-# They are not sufficient. If the lines of all normals pass through one point, the rotation about it
-# is tangent to all edges: no two normals need be parallel, and the rank is at most five. The same
-# holds for every affine flow $\mathbf{u}$ and any points, if each normal is perpendicular to
-# $\mathbf{u}(\mathbf{p}_i)$: expansion, spiral, saddle. The complete condition is that no affine
-# flow except zero is tangent to all samples. Random normals satisfy it with probability one.
-# Sufficient, and easy to see, is: two directions that are not parallel, each the normal of three
-# samples that are not on one line.
+# (b) Take six points on a circle, no two of them opposite, with radial normals. The rotation about
+# the centre is tangent to all samples, so the rank is at most five. But (4.5) holds: no two normals
+# are parallel, so a direction omits at most one point, and the five others are not on one line.
+#
+# *Beyond the question.* If all normals are parallel, nothing is known of the component along the
+# edges, and the rank is three. For the directions of the axes (4.5) says that
+# $\mathbf{N}_x\mathbf{B}$ and $\mathbf{N}_y\mathbf{B}$ have rank three each, with the components of
+# the normals on the diagonals of $\mathbf{N}_x$ and $\mathbf{N}_y$. Not only the rotation gives
+# examples: take an expansion, a spiral or a saddle $\mathbf{u}$, and normals perpendicular to
+# $\mathbf{u}(\mathbf{p}_i)$. The complete condition is that only the zero flow satisfies (4.4).
+# Sufficient is: two directions that are not parallel, each the normal of three samples that are not
+# on one line. So if the points contain two disjoint triples that are not on one line each, random
+# normals give full column rank with probability one.
 
 # %% [markdown] rubric="04.8"
-# One point for "not all parallel" with its reason. One for the condition for each direction (or for
-# the rank of $\mathbf{N}_x\mathbf{B}$ and $\mathbf{N}_y\mathbf{B}$, or that three samples off a
-# line must carry each component). One for saying that this is not sufficient, with an example such
-# as a rotation. One for the complete condition, a tangent affine flow.
+# (a) Two points: one for a flow $\alpha\,\mathbf{m} \neq \mathbf{0}$ whose $\alpha$ vanishes on the
+# line, one for showing that it is tangent to all samples. (b) Two points: one for an example such
+# as a wheel, one for its tangent flow, which makes the rank less than six. A proof that the example
+# satisfies (4.5) is not required.
 
 # %% [markdown]
 # **04.9** "There are more equations than unknowns, so the least-squares problem has a unique
-# solution." Explain with the star of four neighbours why this is wrong, and what a program should
-# do at such a vertex.
+# solution." (a) Explain with the star of four neighbours why this is wrong. (b) What should a
+# program do at such a vertex?
 #
 # <details><summary>Hint</summary>
 #
@@ -649,23 +655,25 @@ def star(neighbours, shift):
 # </details>
 
 # %% [markdown] answer="04.9" points=3 minutes=10 words=80
-# The solution is unique if and only if the *rank* is six. At least as many rows as columns are
-# necessary for that, but not sufficient, since rows may depend on each other. The star of four
-# triangles has eight equations of rank five: by (4.6) the rank is at most the number of vertices,
-# $k + 1$, since they are the rows on the right-hand side. (For an affine flow the eight fluxes
-# satisfy relations: the flow out of each triangle, divided by its area, is the same for all
-# triangles.) So $k \ge 5$ is necessary, and it is sufficient unless the six or more vertices lie on
-# a conic.
+# (a) The solution is unique if and only if the *rank* is six, and rows may depend on each other.
+# The star has eight equations, but only five vertices. By (4.6) its rank is that of a matrix with
+# one row for each vertex, so it is at most five.
 #
-# A solver of the normal equations returns numbers without a warning, right in their normal
-# components and arbitrary in the tangent flow. A program should test the singular values, or a
-# bound of them, and take more samples where they are too small: the edges of the next ring of
-# triangles.
+# (b) The program should test the smallest singular value. Where it is too small, more samples are
+# needed, such as the edges of the next ring of triangles.
+#
+# *Beyond the question.* The bound follows without (4.6), too. For an affine flow the flow out of
+# each triangle, divided by its area, is $\operatorname{div}\mathbf{u}$, which is the same for all
+# $k$ triangles. These are $k - 1$ independent relations between the $2k$ equations, so the rank is
+# at most $k + 1$. So $k \ge 5$ is necessary, and it is sufficient unless the six or more vertices
+# lie on a conic. A solver of the normal equations returns numbers without a warning, right in their
+# normal components and arbitrary in the tangent flow.
 
 # %% [markdown] rubric="04.9"
-# One point for rank against number of equations. One for $k + 1$ vertices or five neighbours, with
-# a reason. One for a remedy: test the rank and enlarge the neighbourhood; "take the pseudo inverse"
-# earns nothing, since its answer is arbitrary.
+# (a) Two points: one for the rank against the number of equations, one for the reason that the rank
+# is at most five. The reason may be the five vertices, or the outflows of the triangles. (b) One
+# for a remedy: test the rank and enlarge the neighbourhood; "take the pseudo-inverse" earns
+# nothing, since its answer is arbitrary.
 
 # %% [markdown]
 # ## Dig deeper

@@ -34,7 +34,9 @@
 # chapter on the singular value decomposition.
 #
 # Each question asks for a function. Write it, run its cell, and run the check below it. The check
-# reports whether the function is right and, if it is not, which mistake is likely.
+# reports whether the function is right and, if it is not, which mistake is likely. After a check
+# that is not right, `case()` in a new cell shows the inputs for which your function failed, your
+# values, and the right ones.
 
 # %% tags=["setup"]
 import numpy as np
@@ -364,8 +366,8 @@ def truth_and_data(seed):
 # ### In words
 #
 # **05.5** Formula (5.3) uses the mean of the velocities at the two ends of an edge for the velocity
-# at its midpoint. Show that this is exact for the field (5.2), say which property of the field you
-# use, and find the leading term of the error for other fields.
+# at its midpoint. (a) Show that this is exact for the field (5.2), and name the property of the
+# field that you use. (b) Find the leading term of the error for other fields.
 #
 # <details><summary>Hint</summary>
 #
@@ -376,30 +378,28 @@ def truth_and_data(seed):
 # </details>
 
 # %% [markdown] answer="05.5" points=4 minutes=15 words=80
-# As a field, $\mathbf{u}(\mathbf{x}) = \mathbf{J}(\mathbf{x} - \mathbf{m}) = \mathbf{J}\mathbf{x}
-# - \mathbf{J}\mathbf{m}$. It is a linear mapping of $\mathbf{x} - \mathbf{m}$, the position
-# relative to the mean. Of $\mathbf{x}$ itself it is an *affine* one: it is zero at $\mathbf{m}$
-# and not at the origin, so that it is linear in $\mathbf{x}$ only if $\mathbf{m} = \mathbf{0}$.
-# Its derivative is $\mathbf{J}$ everywhere; the trace is zero, so the field is free of divergence:
-# a rigid rotation about $\mathbf{m}$.
+# (a) By (5.1), $\tfrac12(\mathbf{u}_i + \mathbf{u}_j) = \mathbf{J}\left(\tfrac12(\mathbf{x}_i +
+# \mathbf{x}_j) - \mathbf{m}\right) = \mathbf{u}(\mathbf{p}_a)$. The property is that the field is
+# affine: an affine map takes the mean of two points to the mean of their images.
 #
-# An affine map takes the mean of two points to the mean of their images: $\tfrac12(\mathbf{u}_i +
-# \mathbf{u}_j) = \mathbf{J}\left(\tfrac12(\mathbf{x}_i + \mathbf{x}_j) - \mathbf{m}\right) =
-# \mathbf{u}(\mathbf{p}_a)$. Nothing is neglected, and $v_a = \mathbf{n}_a \cdot
-# \mathbf{u}(\mathbf{p}_a)$ exactly. That the sum of the weights $\tfrac12 + \tfrac12$ is one is
-# what lets the constant part through.
+# (b) Let $t$ be the distance from the midpoint along an edge of length $l$. The ends are at $t =
+# \pm l/2$, so the odd terms of the Taylor series cancel in the mean:
 #
-# For a field that is not affine along the edge it is an approximation. With $t$ the distance from
-# the midpoint along an edge of length $l$, the ends are at $t = \pm l/2$, and the odd terms of the
-# Taylor series cancel in the mean: $\tfrac12(\mathbf{u}_i + \mathbf{u}_j) =
-# \mathbf{u}(\mathbf{p}_a) + \tfrac18 l^2\, \partial_t^2\mathbf{u}(\mathbf{p}_a) + O(l^4)$. So the
-# curvature of the field along the edge decides, and halving the edges makes the error four times
-# smaller.
+# $$ \tfrac12(\mathbf{u}_i + \mathbf{u}_j) = \mathbf{u}(\mathbf{p}_a) + \tfrac18 l^2\,
+#    \partial_t^2\mathbf{u}(\mathbf{p}_a) + O(l^4). $$
+#
+# The error is of second order in $l$.
+#
+# *Beyond the question.* The field is linear in $\mathbf{x} - \mathbf{m}$, but linear in
+# $\mathbf{x}$ only if $\mathbf{m} = \mathbf{0}$. Its derivative $\mathbf{J}$ has the trace zero, so
+# the field is free of divergence: a rigid rotation about $\mathbf{m}$. The constant part is
+# reproduced because the weights $\tfrac12 + \tfrac12$ sum to one. Halving the edges makes the error
+# four times smaller.
 
 # %% [markdown] rubric="05.5"
-# Two points for the proof of exactness: one for the calculation, one for naming the property, that
-# the map is affine in $\mathbf{x}$ (linear in $\mathbf{x}-\mathbf{m}$). Two for the error of other
-# fields: one for the second derivative along the edge, one for the second order in its length.
+# (a) Two points: one for the calculation, one for the property, that the field is affine in
+# $\mathbf{x}$ (linear in $\mathbf{x}-\mathbf{m}$). (b) Two points: one for the second derivative
+# along the edge, one for the second order in its length; the factor $\tfrac18$ is not required.
 
 # %% [markdown]
 # ## The ring of a vertex
@@ -645,9 +645,11 @@ def reconstruction(rings, epsilon, seed):
 #
 # ### 05.9 The ranks
 #
-# Write a function that returns the rank of $\mathbf{B}'$ at every vertex of a mesh. The rank must
-# depend neither on the position of the mesh nor on the unit of length: a mesh in millimetres has
-# the same ranks as one in metres.
+# Write a function that returns the rank of $\mathbf{B}'$ at every vertex of a mesh. At one vertex
+# it is the rank of 04.2 for the samples of the ring; if you have written 04.2, you may adapt your
+# function. The rank must depend neither on the position of the mesh nor on the unit of length: a
+# mesh in millimetres has the same ranks as one in metres. Far from the origin the rounding errors
+# are close to the tolerance of 04.2; the hint has a larger one.
 #
 # <details><summary>Hint</summary>
 #
@@ -805,56 +807,56 @@ def tangent_flows(triangles, turn):
 #
 # ### In words
 #
-# **05.10** State the rule for the rank at a vertex, and explain why a conic through all vertices of
-# the ring makes the reconstruction fail.
+# **05.10** Why does the reconstruction fail if a conic passes through all vertices of a ring? (a)
+# Let $\psi \neq 0$ be a polynomial of degree at most two that vanishes at these vertices. Show that
+# $\mathbf{u} = (\partial\psi/\partial y_2, -\partial\psi/\partial y_1)$ is not zero and is a flow
+# of (5.8). (b) Why does such a $\psi$ exist for every ring with at most five vertices? (c) At which
+# vertices of a mesh is the rank with one ring therefore always less than six?
 #
 # <details><summary>Hint</summary>
 #
-# Let $\psi$ be a polynomial of degree two, and let $\mathbf{u} = (\partial\psi/\partial y_2,
-# -\partial\psi/\partial y_1)$, which is an affine flow. How much does $\psi$ change along an edge?
-# Express the change by $\mathbf{n}_a \cdot \mathbf{u}$, which is affine along the edge, and
-# integrate it by its value at the midpoint. How many coefficients has $\psi$, and how many
-# equations make it vanish at all vertices?
+# How much does $\psi$ change along an edge? Express the change by $\mathbf{n}_a \cdot \mathbf{u}$,
+# which is affine along the edge, and integrate it by its value at the midpoint. How many
+# coefficients has $\psi$, and how many equations make it vanish at all vertices?
 #
 # </details>
 
 # %% [markdown] answer="05.10" points=5 minutes=20 words=170
-# *The rule.* With one ring it fails at inner vertices with three or four triangles and on the
-# boundary where there are one to three. The rank is the number of vertices of the ring, or six if
-# there are more than six; the exception are vertices in a special position, namely all on one
-# conic.
+# (a) Since $\psi$ is quadratic, $\mathbf{u}$ is affine. It is not zero, since $\psi \neq 0$
+# vanishes at the vertices and so is not constant. Along the edge from $\mathbf{x}_i$ to
+# $\mathbf{x}_j$, of length $l_a$, the derivative of $\psi$ is $\mathbf{n}_a\cdot\mathbf{u}$, up to
+# the sign of the normal. This is an affine function along the edge, so its integral is the length
+# times its value in the middle:
 #
-# *Spokes only.* The flow $\mathbf{u}(\mathbf{x}) = \mathbf{x} - \mathbf{x}_i$ is affine and not
-# zero. Every edge that ends in $\mathbf{x}_i$ has $\mathbf{p}_a - \mathbf{x}_i$ along itself, so
-# $\mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a) = 0$. This $\mathbf{c}$ is in the kernel, and the
-# rank at most five.
+# $$ \psi(\mathbf{x}_j) - \psi(\mathbf{x}_i)
+#    = \pm l_a\, \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a). $$
 #
-# *The conic.* Let $\psi$ be quadratic and $\mathbf{u} = (\partial_2\psi, -\partial_1\psi)$. Along
-# the edge from $\mathbf{x}_i$ to $\mathbf{x}_j$ the derivative of $\psi$ is, up to the sign of the
-# normal, $\mathbf{n}_a\cdot\mathbf{u}$. It is affine there, so its integral is its value at the
-# midpoint times the length: $\psi(\mathbf{x}_j) - \psi(\mathbf{x}_i) = \pm l_a\, \mathbf{n}_a \cdot
-# \mathbf{u}(\mathbf{p}_a)$. If $\psi$ vanishes at all vertices, if they lie on the conic $\psi =
-# 0$, all these are zero, and $\mathbf{u}$ is a flow of (5.8). Conversely a flow of (5.8) has no
-# divergence, since by Gauss nothing flows out of a triangle, so it has such a $\psi$, which is
-# equal at all vertices because the edges connect them; take the constant so that it is zero. Thus
-# the kernel of $\mathbf{B}'$ is as large as the space of quadratic polynomials that vanish at all
-# vertices. These have six coefficients. Five vertices or fewer are five equations or fewer: there
-# is always a conic. With $N$ triangles inside, the ring has $N + 1$ vertices, so $N = 3$ gives rank
-# four and $N = 4$ rank five; on the boundary there are $N + 2$.
+# The left-hand side is zero for all edges of the ring, so $\mathbf{u}$ is a flow of (5.8). It can
+# be added to every solution, so the data do not determine the velocity field.
 #
-# That the field is not determined need not mean that its value at the vertex is not: the velocity
-# $\mathbf{c}_0$ is determined if every tangent flow is zero there. This is so where four neighbours
-# lie on two lines through the vertex.
+# (b) The polynomial has six coefficients. At most five vertices give at most five homogeneous
+# linear equations for them, so there is a solution that is not zero.
 #
-# *What to do.* Take a second ring where one does not suffice, and test the rank, or better the size
-# of the smallest singular value: nothing else warns.
+# (c) An inner vertex with $k$ triangles has $k + 1$ vertices in its ring, a boundary vertex has
+# $k + 2$. So the rank is less than six at inner vertices with three or four triangles, and at
+# boundary vertices with one to three.
+#
+# *Beyond the question.* The converse holds too. By the theorem of Gauss nothing flows out of a
+# triangle in a flow of (5.8), so this flow has no divergence and such a $\psi$. It is equal at all
+# vertices, because the edges connect them; choose the constant so that it is zero there. So the
+# null space of $\mathbf{B}'$ is as large as the space of quadratic polynomials that vanish at all
+# vertices. The rank is the number of vertices of the ring, at most six, unless they are in special
+# position. For six or more vertices the special position is that all are on one conic. The velocity
+# $\mathbf{c}_0$ at the vertex is still determined if every tangent flow is zero there. This is so
+# where four neighbours lie on two lines through the vertex. The remedy is a second ring where one
+# is not enough, with a test of the rank, or better of the smallest singular value.
 
 # %% [markdown] rubric="05.10"
-# One point for the rule by the number of vertices, or for the vertices that fail (inner with three
-# or four triangles, boundary with few). Three for the conic: one for the stream function, one for
-# the change along an edge by the midpoint, one for counting six coefficients against five vertices;
-# the converse is not asked. One for the exception of special positions, or a remedy: a further
-# ring, with a test of the rank.
+# (a) Three points. One for an affine flow that is not zero. One for the change of $\psi$ along an
+# edge as the integral of the normal velocity. One for the value at the midpoint, which is zero. (b)
+# One point for six coefficients against at most five equations. (c) One point for the vertices:
+# inner ones with three or four triangles, boundary ones with one to three. The converse is not
+# required.
 
 # %% [markdown]
 # ## Your own mesh
@@ -916,7 +918,7 @@ def comparison(bend, epsilon):
 # ### In words
 #
 # **05.11** A program reconstructs the rotation (5.2) exactly to rounding at all vertices of rank
-# six, for every $\varepsilon$. Explain this result, and what such a test does not show.
+# six, for every $\varepsilon$. (a) Explain this result. (b) What does such a test not show?
 #
 # <details><summary>Hint</summary>
 #
@@ -926,25 +928,25 @@ def comparison(bend, epsilon):
 # </details>
 
 # %% [markdown] answer="05.11" points=3 minutes=15 words=90 optional
-# Where the rank is six the errors are of the order of $10^{-15}$, rounding. The rotation is affine,
-# so it is among the fields (5.4), and by question 05.5 the data are its exact normal velocities at
-# the midpoints: the true coefficients satisfy all equations, and the least error of (5.7) is zero,
-# whatever the weights. Positive weights do not change which $\mathbf{c}$ solves
-# $\mathbf{B}'\mathbf{c} = \mathbf{V}'$, and with rank six only one does. Weights are a compromise
-# between equations that contradict each other; here none do. At vertices of lower rank the error
-# has the size of the velocity itself, and which of the many solutions comes out depends on the
-# solver.
+# (a) The rotation is affine, so it is among the fields (5.4). By question 05.5 the data are its
+# exact normal velocities at the midpoints. So the true coefficients satisfy all equations, and the
+# smallest residual of (5.7) is zero, whatever the positive weights. With rank six no other
+# $\mathbf{c}$ has this residual.
 #
-# The test shows that the program has no mistake in geometry, signs and indices, and which vertices
-# are not determined. It says nothing about the error on a flow that is not affine, where the data
-# (5.3) and the affine field are both approximations; nothing about noise; nor that the method is
-# stable, since vertices nearly on a conic have rank six and pass the test, but enlarge every error
-# of the data.
+# (b) The test contains only an affine field. It does not show the error for a flow that is not
+# affine, for which (5.3) and (5.4) are approximations. Nor does it show the effect of noise.
+#
+# *Beyond the question.* Weights are a compromise between equations that contradict each other; here
+# none do. At vertices of lower rank the error has the size of the velocity itself, and the solver
+# determines which of the many solutions is returned. The test does show that the program has no
+# mistake in geometry, signs and indices, and which vertices are not determined. It does not show
+# that the method is stable: vertices nearly on a conic have rank six and pass the test, but they
+# magnify every error of the data.
 
 # %% [markdown] rubric="05.11"
-# One point for the reason: the truth satisfies all equations, so the weights have no influence. One
-# for uniqueness by rank six. One for the limits of the test: it contains only an affine field, no
-# curvature or no noise.
+# (a) Two points: one for the reason that the true coefficients satisfy all equations, so that the
+# weights have no influence; one for uniqueness by rank six. (b) One point for the limits of the
+# test: it contains only an affine field, no curvature or no noise.
 
 # %% [markdown]
 # ## Dig deeper

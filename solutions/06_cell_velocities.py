@@ -175,7 +175,7 @@ print(side_lengths(np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]])))
 # ### 06.1 The outward normals
 #
 # Write a function that returns $\mathbf{N}$ of (6.1). The corners may be listed clockwise or
-# anticlockwise. The triangle may have any size.
+# counter-clockwise. The triangle may have any size.
 #
 # <details><summary>Hint</summary>
 #
@@ -654,7 +654,7 @@ def matching_point(s, apex, height):
 #
 # </details>
 
-# %% [markdown] answer="06.7" points=5 minutes=20 words=120
+# %% [markdown] answer="06.7" points=5 minutes=20 words=100
 # The circumcentre lies on the perpendicular bisector of every side, so $\mathbf{p}_a - \mathbf{O}$
 # is a multiple of $\mathbf{n}_a$, or zero. The matrix $\mathbf{J}$ rotates by a right angle, so
 # $\mathbf{n}_a \cdot \mathbf{J}(\mathbf{p}_a - \mathbf{O}) = 0$. Hence
@@ -665,7 +665,7 @@ def matching_point(s, apex, height):
 # parallel, so $\mathbf{N}$ has rank two and the minimiser is unique. The proof uses neither the
 # shape of the triangle nor that $\mathbf{O}$ lies inside.
 #
-# *Remark for the discussion.* The difference from the velocity at a corner is
+# *Beyond the question.* The difference from the velocity at a corner is
 # $\lVert\mathbf{J}(\mathbf{q}_a - \mathbf{O})\rVert$, the circumradius. It measures the mesh and
 # not the method. Constants and rotations are the only affine fields for which the theorem holds in
 # every triangle: an expansion belongs to the symmedian point, and the strain $(x, -y)$, which is
@@ -779,9 +779,9 @@ def defect_and_error(s, strain, noise):
 #
 # ### In words
 #
-# **06.9** All defects of a solver's output are zero. Does this show
-# that the velocities of the cells are accurate? Begin with what least squares discards from the
-# data, and give a reason or an example for your answer.
+# **06.9** (a) What does least squares discard from the data of a cell, and what does the defect
+# measure? (b) All defects of a solver's output are zero. Does this show that the velocities of the
+# cells are accurate? Give a reason or an example.
 #
 # <details><summary>Hint</summary>
 #
@@ -791,22 +791,25 @@ def defect_and_error(s, strain, noise):
 # </details>
 
 # %% [markdown] answer="06.9" points=4 minutes=15 words=120
-# By (6.3) the range of $\mathbf{N}$ consists of the vectors orthogonal to $\mathbf{l}$. Least
-# squares replaces $\mathbf{v}$ by the closest of them,
-# $\mathbf{v} - \mathbf{l}\,(\mathbf{l}\cdot\mathbf{v})/\lVert\mathbf{l}\rVert^2$, and returns the
-# velocity of these data. The component along $\mathbf{l}$, which is the net outflow, is discarded.
-# The defect is the length of this component.
+# (a) By (6.3) the range of $\mathbf{N}$ consists of the vectors orthogonal to $\mathbf{l}$. Least
+# squares replaces $\mathbf{v}$ by the closest of them and returns the velocity of these data. It
+# discards the component along $\mathbf{l}$, which is the net outflow. The defect is the length of
+# this component.
 #
-# So zero defects show that in each cell *some* constant velocity fits its three numbers: the data
-# are free of divergence. They do not show that the field is constant in the cell, and hence not
-# that the velocity is accurate. The strain $(x, -y)$ has no defect, and its error is of the size of
-# the cell. Likewise noise has three components: one is discarded and shows as a defect, and two go
-# into the velocity unseen. Consistent is not accurate.
+# (b) No. Zero defects show that in each cell *some* constant velocity fits its three numbers. They
+# do not show that the field is constant in the cell, and hence not that the velocity is accurate.
+# The strain $(x, -y)$ has no defect, and its error is of the size of the cell.
+#
+# *Beyond the question.* The closest vector is $\mathbf{v} -
+# \mathbf{l}\,(\mathbf{l}\cdot\mathbf{v})/\lVert\mathbf{l}\rVert^2$. Noise has three components in
+# each cell: one is discarded and contributes to the defect, and two change the velocity and leave
+# the defect as it is. Consistent data need not be accurate.
 
 # %% [markdown] rubric="06.9"
-# One point for what is discarded: the component along $\mathbf{l}$, which is the net outflow or
-# divergence. One for: the defect measures this part, and nothing else. One for "no". One for a
-# reason or an example: the strain, or noise orthogonal to $\mathbf{l}$.
+# (a) Two points: one for what is discarded, the component along $\mathbf{l}$, which is the net
+# outflow or divergence; one for: the defect measures this part, and nothing else. (b) Two points:
+# one for "no", one for a reason or an example, such as the strain, or noise orthogonal to
+# $\mathbf{l}$.
 
 # %% [markdown]
 # ## Dig deeper

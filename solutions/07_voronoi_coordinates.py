@@ -117,6 +117,25 @@ def the_problem():
 #    b\,\pi/3) \end{bmatrix},
 #    \qquad b = 0, \dots, 5. \tag{7.1} $$
 #
+# ## A worked example
+#
+# Let $\mathbf{x}_i = (0, 0)$ have the four neighbours $(2, 0)$, $(0, 2)$, $(-2, 0)$ and $(0, -2)$.
+# Each of the four triangles has the area 2. The circumcentre of the first triangle is $(1, 1)$,
+# since $(0, 0)$, $(2, 0)$ and $(0, 2)$ all have the distance $\sqrt2$ from it. The other
+# circumcentres are $(-1, 1)$, $(-1, -1)$ and $(1, -1)$, so the cell is a square.
+#
+# The coordinates of this notebook are one weight for each corner. At the point $\mathbf{x} =
+# (\tfrac12, 0)$ they are $\tfrac38, \tfrac18, \tfrac18, \tfrac38$; formulas (7.5) and (7.6) will
+# give these numbers. They must sum to 1, and the mean of the corners with these weights must be
+# $\mathbf{x}$. The next cell checks both. With the values $8, 0, 0, 0$ at the corners, the value at
+# $\mathbf{x}$ is $\tfrac38 \cdot 8 = 3$.
+
+# %%
+square = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
+omega_by_hand = np.array([3, 1, 1, 3]) / 8
+print("sum", omega_by_hand.sum(), "and mean of the corners", omega_by_hand @ square)
+
+# %% [markdown]
 # ### 07.1 The hexagon
 #
 # Write a function that returns the six neighbours. The centre is not the origin in general.
@@ -267,24 +286,16 @@ def two_duals(distance):
 #
 # $$ \omega_a(\mathbf{x}) = \frac{w_a(\mathbf{x})}{\sum_{e} w_e(\mathbf{x})} . \tag{7.6} $$
 #
-# ## A worked example
+# ### Example: the weights, by hand
 #
-# Let $\mathbf{x}_i = (0, 0)$ have the four neighbours $(2, 0)$, $(0, 2)$, $(-2, 0)$ and $(0, -2)$.
-# Each triangle has the area 2. The circumcentres are $(1, 1)$, $(-1, 1)$, $(-1, -1)$ and $(1, -1)$,
-# so the cell is a square. For the point $\mathbf{x} = (\tfrac12, 0)$ the weights (7.5) are
+# For the square cell of the worked example and the point $\mathbf{x} = (\tfrac12, 0)$ the weights
+# (7.5) are
 #
 # $$ w_0 = \frac{4}{1 \cdot 2} = 2, \qquad w_1 = \frac{4}{2 \cdot 3} = \tfrac23, \qquad
 #    w_2 = \frac{4}{3 \cdot 2} = \tfrac23, \qquad w_3 = \frac{4}{2 \cdot 1} = 2. $$
 #
 # For the first one, $(2, 0) \cdot (\tfrac12, 1) = 1$ and $(0, 2) \cdot (\tfrac12, 1) = 2$. The sum
-# is $\tfrac{16}{3}$, and the coordinates are $\tfrac38, \tfrac18, \tfrac18, \tfrac38$. They must
-# sum to 1, and the mean of the corners with these coordinates must be $\mathbf{x}$. The next cell
-# checks both.
-
-# %%
-square = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
-omega_by_hand = np.array([3, 1, 1, 3]) / 8
-print("sum", omega_by_hand.sum(), "and mean of the corners", omega_by_hand @ square)
+# is $\tfrac{16}{3}$, and (7.6) gives the coordinates $\tfrac38, \tfrac18, \tfrac18, \tfrac38$.
 
 # %% [markdown]
 # Here is a finished function of the kind that you will write, for the cell with three corners. In a
@@ -329,7 +340,7 @@ check("07.3")
 #
 # Write a function that returns the weights (7.5) of all corners for one point $\mathbf{x}$. The
 # corners are an argument. The number $N$ of neighbours may be any number from 3 on, and the
-# neighbours may be listed clockwise or anticlockwise. The point may lie outside the cell; some
+# neighbours may be listed clockwise or counter-clockwise. The point may lie outside the cell; some
 # weights are negative there. The cell may have any size.
 #
 # <details><summary>Hint</summary>
@@ -727,10 +738,9 @@ def landscape(size):
 #
 # ## In words
 #
-# **07.9** Explain the three errors along the spiral: for $\phi_a = 1$, for
-# $\phi_a = p_{a,1} + p_{a,2}$, and for $(p_{a,1} + p_{a,2})^2$. Name the requirement that is
-# responsible for each field that is reproduced. For the third field state the limit of the error at
-# the centre of a hexagon of radius $R$ around the origin.
+# **07.9** Explain the three errors along the spiral. Which requirement explains the error (a) of
+# $\phi_a = 1$ and (b) of $\phi_a = p_{a,1} + p_{a,2}$? (c) Derive the limit of the error of
+# $\phi_a = (p_{a,1} + p_{a,2})^2$ at the centre of a hexagon of radius $R$ around the origin.
 #
 # <details><summary>Hint</summary>
 #
@@ -739,27 +749,32 @@ def landscape(size):
 #
 # </details>
 
-# %% [markdown] answer="07.9" points=4 minutes=15 words=120
-# The constant is reproduced up to rounding at all fifty points, since the coordinates sum to one
-# (partition of unity): (7.6) divides by the sum for this reason. The linear field is reproduced up
-# to rounding because $\sum_a \omega_a \mathbf{p}_a = \mathbf{x}$ (linear precision). For
-# $\phi(\mathbf{x}) = c_0 + \mathbf{c}^T\mathbf{x}$ the sum is
-# $c_0 \sum_a \omega_a + \mathbf{c}^T \sum_a \omega_a \mathbf{p}_a$.
+# %% [markdown] answer="07.9" points=4 minutes=15 words=90
+# (a) The constant is reproduced up to rounding at all points, since the coordinates sum to one
+# (partition of unity).
 #
-# Other fields are not reproduced in general. At the centre of a regular hexagon all six coordinates
-# are $1/6$, so the value is the mean of the $\phi_a$. For $(x_1+x_2)^2$ the corners at the distance
-# $R/\sqrt3$ have the mean $R^2/3$, while the field is zero there. So the error tends to $R^2/3$; it
-# grows with the square of the size of the cell. It is largest at the centre, and smaller close to
-# an edge, where two neighbouring corners have nearly all the weight.
+# (b) The linear field is reproduced up to rounding because $\sum_a \omega_a \mathbf{p}_a =
+# \mathbf{x}$ (linear precision).
+#
+# (c) By symmetry all six coordinates are $1/6$ at the centre, so the value there is the mean of the
+# $\phi_a$. For $(x_1+x_2)^2$ the corners at the distance $R/\sqrt3$ have the mean $R^2/3$, while
+# the field is zero at the centre. So the error tends to $R^2/3$.
+#
+# *Beyond the question.* For every field $\phi(\mathbf{x}) = c_0 + \mathbf{c}^T\mathbf{x}$ the sum
+# is $c_0 \sum_a \omega_a + \mathbf{c}^T \sum_a \omega_a \mathbf{p}_a$, so affine fields are
+# reproduced, and other fields are not in general. The limit grows with the square of the size of
+# the cell. By linear precision it is the same for a hexagon with another centre. Close to an edge
+# the error is smaller, since two neighbouring corners have nearly all the weight.
 
 # %% [markdown] rubric="07.9"
-# One point for the constant with partition of unity as the reason. One for the linear field with
-# linear precision as the reason. One for: other fields are not reproduced, with evidence from the
-# picture. One for the limit at the centre, $R^2/3$, as the mean of the corners.
+# (a) One point for the constant with partition of unity as the reason. (b) One for the linear field
+# with linear precision as the reason. (c) Two points: one for the coordinates $1/6$, so that the
+# value at the centre is the mean of the corners; one for the limit $R^2/3$.
 
 # %% [markdown]
-# **07.10** Which properties does the circumcentric dual of a Delaunay mesh have, and which of them
-# remain if the mesh is not a Delaunay mesh? Give a reason for each.
+# **07.10** (a) Why are the edges of the circumcentric dual perpendicular to the edges of the mesh?
+# (b) Why are the dual cells of a Delaunay mesh convex, and why do they not overlap? (c) Which of
+# these properties remain if the mesh is not a Delaunay mesh?
 #
 # <details><summary>Hint</summary>
 #
@@ -770,36 +785,37 @@ def landscape(size):
 # </details>
 
 # %% [markdown] answer="07.10" points=3 minutes=10 words=100
-# Dual edges are perpendicular to the edges of the mesh, in every mesh: both ends lie on the
-# perpendicular bisector of the edge. In a Delaunay mesh no vertex is inside the circumscribed
-# circle of a triangle, so no vertex is closer to $\mathbf{p}_a$ than $\mathbf{x}_i$. Then the
-# circumcentres around an inner vertex are the corners of its Voronoi cell, an intersection of
-# half-planes. So the dual cells are convex, and they do not intersect each other or themselves.
+# (a) Dual edges are perpendicular to the edges of the mesh: both ends lie on the perpendicular
+# bisector of the edge.
 #
-# Without the Delaunay property the right angles remain. But two circumcentres exchange their order
-# along a bisector, and the dual intersects itself. In the picture this happens beyond the distance
-# 2, where the two angles opposite to an edge sum to more than 180°. A circumcentre outside its
-# triangle alone does no harm.
+# (b) In a Delaunay mesh no vertex is inside the circumscribed circle of a triangle, so no vertex is
+# closer to $\mathbf{p}_a$ than $\mathbf{x}_i$. Then the circumcentres around an inner vertex are
+# the corners of its Voronoi cell, an intersection of half-planes. So the dual cells are convex and
+# do not overlap.
+#
+# (c) The right angles remain. Convexity is lost: two circumcentres exchange their order along a
+# bisector, and the dual intersects itself.
+#
+# *Beyond the question.* In the picture this happens beyond the distance 2, where the two angles
+# opposite to an edge sum to more than 180°. A circumcentre outside its triangle alone does no harm.
 
 # %% [markdown] rubric="07.10"
-# One point for the right angles in any mesh, with the bisector as the reason. One for convex cells
-# without intersections in a Delaunay mesh, with empty circles or the Voronoi cell as the reason.
-# One for: both are lost in other meshes, with a reason or the picture.
+# (a) One point for the perpendicular bisector. (b) One for empty circles, or for the Voronoi cell
+# as an intersection of half-planes. (c) One for: the right angles remain, the other properties are
+# lost, with a reason or the picture.
 
 # %% [markdown]
-# **07.11** Derive (7.5) from (7.3). Say which property of the dual is used at each step, and why
-# the lengths $l_j$ and $l_k$ cancel.
+# **07.11** Derive (7.5) from (7.3). Name the property of the dual that you use, and show how the
+# lengths $l_j$ and $l_k$ cancel.
 
 # %% [markdown] answer="07.11" points=3 minutes=10 words=80 optional
 # Edges of the dual and of the mesh are perpendicular. So the outward normals of the cell at
-# $\mathbf{p}_a$ are the unit vectors along the two edges of the mesh,
-# $\mathbf{n}_j = (\mathbf{x}_j - \mathbf{x}_i)/l_j$ and
-# $\mathbf{n}_k = (\mathbf{x}_k - \mathbf{x}_i)/l_k$. Their determinant is the determinant of
-# $\mathbf{x}_j - \mathbf{x}_i$ and $\mathbf{x}_k - \mathbf{x}_i$, divided by $l_j l_k$. The
-# determinant of these two vectors is twice the area of the triangle, up to its sign, which the
-# absolute value removes. Each factor of the denominator of (7.3) is
-# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ divided by $l_b$. So numerator and
-# denominator are both divided by $l_j l_k$, which cancels.
+# $\mathbf{p}_a$ are $\mathbf{n}_j = (\mathbf{x}_j - \mathbf{x}_i)/l_j$ and $\mathbf{n}_k =
+# (\mathbf{x}_k - \mathbf{x}_i)/l_k$. Their determinant is that of $\mathbf{x}_j - \mathbf{x}_i$ and
+# $\mathbf{x}_k - \mathbf{x}_i$, divided by $l_j l_k$. The determinant of these two vectors is twice
+# the area, up to its sign, which the absolute value removes. Each factor of the denominator of
+# (7.3) is $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ divided by $l_b$. So
+# numerator and denominator are both divided by $l_j l_k$, which cancels.
 
 # %% [markdown] rubric="07.11"
 # One point for the normals along the edges of the mesh, by orthogonality. One for the determinant

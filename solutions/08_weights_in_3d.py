@@ -261,18 +261,18 @@ check("08.2")
 # </details>
 
 # %% [markdown] answer="08.3" points=2 minutes=5 words=30
-# (A) $\mathbf{x}_b$, (B) $\lVert\mathbf{y} - \mathbf{x}_b\rVert$. With
-# $\mathbf{y} - \mathbf{x}_b = (\mathbf{y} - \mathbf{x}_i) - (\mathbf{x}_b - \mathbf{x}_i)$ the
-# squares of $\mathbf{y} - \mathbf{x}_i$ cancel. The remaining equation is
-# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) = \tfrac12 l_b^2$, so (C)
-# $\tfrac12 l_b^2$. This is a plane perpendicular to (D) the edge from $\mathbf{x}_i$ to
-# $\mathbf{x}_b$ through (E) its midpoint. (F) $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$.
-# It points outwards because (G) inside the cell, at $\mathbf{x}_i$ for instance, the left side is
-# less than $\tfrac12 l_b^2$.
+# (A) $\mathbf{x}_b$, (B) $\lVert\mathbf{y} - \mathbf{x}_b\rVert$, (C) $\tfrac12 l_b^2$, (D) the
+# edge $\mathbf{x}_b - \mathbf{x}_i$, (E) its midpoint, (F) $(\mathbf{x}_b - \mathbf{x}_i)/l_b$, (G)
+# the left side is less than $\tfrac12 l_b^2$ at $\mathbf{x}_i$, inside the cell.
+#
+# *Beyond the question.* For (C), expand $\lVert\mathbf{y} - \mathbf{x}_b\rVert^2$ about
+# $\mathbf{x}_i$, as the hint says. The term $\lVert\mathbf{y} - \mathbf{x}_i\rVert^2$ stands on
+# both sides and cancels.
 
 # %% [markdown] rubric="08.3"
-# One point for the plane, from equal distances to $\mathbf{x}_i$ and $\mathbf{x}_b$. One for the
-# normal along the edge, of length one, with a reason why it points outwards.
+# One point for (A) to (E): the plane, from equal distances to $\mathbf{x}_i$ and $\mathbf{x}_b$.
+# One for (F) and (G): the normal along the edge, of length one, and a reason why it points
+# outwards.
 
 # %% [markdown]
 # ## Step 2: the volume of the normals
@@ -346,17 +346,19 @@ def conjecture(power):
 # </details>
 
 # %% [markdown] answer="08.5" points=3 minutes=10 words=60
-# By step 1 the rows of the determinant are $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$. A
-# determinant is linear in each row, so each length can be taken out:
+# By step 1 the rows are $\mathbf{n}_b = (\mathbf{x}_b - \mathbf{x}_i)/l_b$. A determinant is linear
+# in each row, so each length can be taken out:
 #
 # $$ \det(\mathbf{n}_j, \mathbf{n}_k, \mathbf{n}_m) = \frac{\det(\mathbf{x}_j - \mathbf{x}_i,
 #    \mathbf{x}_k - \mathbf{x}_i, \mathbf{x}_m - \mathbf{x}_i)}{l_j l_k l_m} . $$
 #
-# Lengths are positive, so this holds for the absolute values. The absolute value of the determinant
-# on the right is the volume of the parallelepiped of the three edges at $\mathbf{x}_i$. The
-# parallelepiped consists of $3! = 6$ tetrahedra of equal volume, one for each order of the three
-# edges. (Or: the volume of a tetrahedron is a third of base times height, and its base is half a
-# parallelogram.) So the absolute value is $6V_a$.
+# Lengths are positive, so this holds for the absolute values. The absolute value on the right is
+# the volume of the parallelepiped of the three edges. It consists of $3! = 6$ tetrahedra of equal
+# volume, so it is $6V_a$.
+#
+# *Beyond the question.* There is one tetrahedron for each order of the three edges. Another reason
+# for the 6: the volume of a tetrahedron is a third of base times height, and its base is half a
+# parallelogram.
 
 # %% [markdown] rubric="08.5"
 # One point for taking one length out of each row. One for the determinant of the edges as the
@@ -369,14 +371,11 @@ def conjecture(power):
 # in the numerator and in the denominator.
 
 # %% [markdown] answer="08.6" points=3 minutes=10 words=50
-# By step 1 each factor of the denominator is
-# $\mathbf{n}_b^T(\mathbf{p}_a - \mathbf{x}) = (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a -
-# \mathbf{x})/l_b$.
-# There is one factor for each of the three faces that meet in $\mathbf{p}_a$. These faces belong to
-# the three neighbours $j, k, m$ that form tetrahedron $a$ with $\mathbf{x}_i$, since $\mathbf{p}_a$
-# has the same distance from these four vertices. So the denominator of (8.1) is
-# $\prod_b (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})$ divided by $l_j l_k l_m$. By
-# step 2 the numerator is $6V_a$ divided by the same product. It cancels, and (8.2) remains.
+# By step 1 each factor of the denominator is $\mathbf{n}_b^T(\mathbf{p}_a - \mathbf{x}) =
+# (\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x})/l_b$. The faces at $\mathbf{p}_a$
+# belong to the neighbours $j, k, m$ of tetrahedron $a$, whose four vertices have equal distances
+# from $\mathbf{p}_a$. So the denominator has the factor $1/(l_j l_k l_m)$. By step 2 the numerator
+# has it too, and it cancels.
 
 # %% [markdown] rubric="08.6"
 # One point for each factor with its $1/l_b$. One for the reason: the three faces at the corner
@@ -533,8 +532,9 @@ def from_every_corner(b):
 
 
 # %% [markdown]
-# **08.9** Prove (8.5) for every point $\mathbf{x}$ and every corner $a$ of face $b$. Add one
-# consequence for *slivers*: tetrahedra so flat that rounding errors spoil their circumcentres.
+# **08.9** (a) Prove (8.5) for every point $\mathbf{x}$ and every corner $a$ of face $b$. (b)
+# Conclude what (8.5) means for *slivers*: tetrahedra so flat that rounding errors spoil their
+# circumcentres.
 #
 # <details><summary>Hint</summary>
 #
@@ -544,21 +544,22 @@ def from_every_corner(b):
 # </details>
 
 # %% [markdown] answer="08.9" points=3 minutes=10 words=60
-# The circumcentre has the same distance from $\mathbf{x}_b$ and $\mathbf{x}_i$:
+# (a) The circumcentre has the same distance from $\mathbf{x}_b$ and $\mathbf{x}_i$:
 # $\lVert\mathbf{p}_a - \mathbf{x}_i\rVert^2 = \lVert(\mathbf{p}_a - \mathbf{x}_i) - (\mathbf{x}_b -
-# \mathbf{x}_i)\rVert^2$.
-# Expanded, this is $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x}_i) = \tfrac12 l_b^2$.
-# Subtract $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{x} - \mathbf{x}_i)$ from both sides to obtain
-# (8.5). The right side does not depend on $a$: $h_b$ is the same number from every corner of the
-# face.
+# \mathbf{x}_i)\rVert^2$. Expanded, this is $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a -
+# \mathbf{x}_i) = \tfrac12 l_b^2$. Subtracting $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{x} -
+# \mathbf{x}_i)$ from both sides gives (8.5).
 #
-# So circumcentres need not be computed. A sliver, whose circumcentre is badly determined, does no
-# harm: only its volume enters, which is small. (Another consequence: all weights can be multiplied
-# by the product of all heights, so no division by zero remains on faces.)
+# (b) By (8.5) the weights need heights and volumes, and no circumcentres. So a large error in the
+# circumcentre of a sliver does no harm.
+#
+# *Beyond the question.* The right side of (8.5) does not depend on $a$: $h_b$ is the same number
+# from every corner of the face. A second consequence is that no division by zero remains on faces
+# if the weights are multiplied by $\prod_b h_b$.
 
 # %% [markdown] rubric="08.9"
-# One point for the equation of equal distances, $\mathbf{x} = \mathbf{x}_i$. One for the general
-# point. One for the consequence: no circumcentre is needed.
+# (a) One point for the equation of equal distances, which is the case $\mathbf{x} = \mathbf{x}_i$.
+# One for the general point. (b) One point: no circumcentre is needed.
 
 # %% [markdown]
 # ### 08.10 Coordinates without division

@@ -662,7 +662,7 @@ def too_many_variables(d, s):
 # Curtis*. Its proof moves two points until they have exchanged their positions.
 #
 # Let $\mathbf{m} = \tfrac12(\mathbf{p}_1 + \mathbf{p}_2)$. The first two points move
-# counterclockwise around $\mathbf{m}$, along the two halves of a circle, while $\mathbf{p}_3$
+# counter-clockwise around $\mathbf{m}$, along the two halves of a circle, while $\mathbf{p}_3$
 # stays:
 #
 # $$ \mathbf{p}_{1,2}(t) = \mathbf{m} + \begin{bmatrix} \cos \pi t & -\sin \pi t \\ \sin \pi t &
@@ -849,8 +849,9 @@ def with_slopes(slope):
 # ## In words
 #
 # **09.8** A program uses $\varphi_3 = r^3$ with the constant only, $n = 0$, instead of $n = 1$. It
-# has worked for every set of points so far. What can go wrong? Explain it with the quadratic form,
-# and give an example of a kernel and of distinct points for which a degree that is too low fails.
+# has worked for every set of points so far. (a) What can go wrong for other points? Explain it with
+# the quadratic form. (b) Give a kernel, a degree that is too low, and distinct points for which the
+# matrix of (9.3) is singular.
 #
 # <details><summary>Hint</summary>
 #
@@ -860,24 +861,23 @@ def with_slopes(slope):
 # </details>
 
 # %% [markdown] answer="09.8" points=4 minutes=15 words=100
-# The guarantee is lost. $r^3$ has the order two: $\boldsymbol\lambda^T\mathbf{A}\boldsymbol\lambda$
-# is positive only if the $\lambda_j$ annihilate constants and linear functions. Under
-# $\sum\lambda_j = 0$ alone the form is indefinite, as the picture of 09.2 shows. So eigenvalues may
-# pass through zero as points move: for some distinct points the matrix is singular. Near them the
-# coefficients are huge and the field oscillates.
+# (a) $r^3$ has the order two: $\boldsymbol\lambda^T\mathbf{A}\boldsymbol\lambda$ is positive only
+# if the $\lambda_j$ annihilate constants and linear functions. Under $\sum\lambda_j = 0$ alone the
+# form is indefinite. So an eigenvalue may pass through zero as points move, and for some distinct
+# points the matrix is singular. Such points are exceptional, so the program may have missed them.
+# Near them the coefficients are huge and the field oscillates.
 #
-# *Example.* $r^2\log r$ without a polynomial (order two, $n = -1$). For the corners of an
-# equilateral triangle with the side 1 all distances are 0 or 1, $\varphi_2$ vanishes at both, and
-# $\mathbf{A} = \mathbf{0}$. For $r^3$ itself with $n = 0$ an example is a triangle with the sides
-# $1$, $1$ and $2^{2/3}$.
+# (b) Take $r^2\log r$ without a polynomial, $n = -1$, and an equilateral triangle with the side 1.
+# All distances are 0 or 1, and $\varphi_2$ vanishes at both, so $\mathbf{A} = \mathbf{0}$.
 #
-# *Remark.* $n = 2$ is allowed for $r^3$: a form that is positive on a space is positive on every
-# subspace. But the points must then be unisolvent for quadratic polynomials.
+# *Beyond the question.* For $r^3$ itself with $n = 0$ an example is a triangle with the sides $1$,
+# $1$ and $2^{2/3}$. The degree $n = 2$ is allowed for $r^3$: a form that is positive on a space is
+# positive on every subspace. But the points must then be unisolvent for quadratic polynomials.
 
 # %% [markdown] rubric="09.8"
-# One point: the form is not positive under fewer side conditions (indefinite). One: hence the
-# matrix is singular for some distinct points. One: near them the coefficients are large, although
-# the program has worked so far. One for a correct example with a reason.
+# (a) One point: the form is indefinite under fewer side conditions. One: hence the matrix is
+# singular for some distinct points. One: near them the coefficients are large, although the program
+# has worked so far. (b) One point for a correct example with a reason.
 
 # %% [markdown]
 # **09.9** Five points lie on a line of the plane, the kernel has the order two, and $n = 1$. Show
@@ -891,17 +891,16 @@ def with_slopes(slope):
 # </details>
 
 # %% [markdown] answer="09.9" points=3 minutes=10 words=70
-# With $\boldsymbol\lambda = \mathbf{Z}\mathbf{t}$ the first block row becomes
-# $\mathbf{Z}^T\mathbf{A}\mathbf{Z}\,\mathbf{t} = \mathbf{Z}^T\mathbf{v}$. Its matrix is positive
-# definite, since the points are distinct and the order is right. So $\mathbf{t}$ and hence
-# $\boldsymbol\lambda$ exist and are unique. The remainder
-# $\mathbf{v} - \mathbf{A}\boldsymbol\lambda$ is orthogonal to the columns of $\mathbf{Z}$, and
-# hence in the range of $\mathbf{P}$: there is a $\mathbf{c}$ with $\mathbf{P}\mathbf{c}$ equal to
-# it.
+# Let $\boldsymbol\lambda = \mathbf{Z}\mathbf{t}$. Multiplied by $\mathbf{Z}^T$, the first block row
+# is $\mathbf{Z}^T\mathbf{A}\mathbf{Z}\,\mathbf{t} = \mathbf{Z}^T\mathbf{v}$. Its matrix is positive
+# definite, since the points are distinct and the order is two. So $\boldsymbol\lambda$ exists and
+# is unique. The remainder $\mathbf{v} - \mathbf{A}\boldsymbol\lambda$ is orthogonal to the columns
+# of $\mathbf{Z}$, hence equal to $\mathbf{P}\mathbf{c}$ for some $\mathbf{c}$. The polynomial is
+# not unique: one may add a linear function that vanishes on the line.
 #
-# The polynomial is not unique: one may add a linear function that vanishes on the line. The field
-# is determined on the line and not outside it. A program should refuse, or choose a solution by a
-# stated rule, such as the smallest $\lVert\mathbf{c}\rVert$.
+# *Beyond the question.* The field is determined on the line and not outside it. A program should
+# refuse such points, or choose a solution by a stated rule, such as the smallest
+# $\lVert\mathbf{c}\rVert$.
 
 # %% [markdown] rubric="09.9"
 # One point: $\boldsymbol\lambda$ exists and is unique, since $\mathbf{Z}^T\mathbf{A}\mathbf{Z}$ is
@@ -920,12 +919,11 @@ def with_slopes(slope):
 # </details>
 
 # %% [markdown] answer="09.10" points=3 minutes=10 words=70 optional
-# Let $g_1, g_2, g_3$ be continuous, and let $d(t)$ be the determinant of the matrix with the
-# entries $g_l(\mathbf{p}_i(t))$. It is a continuous function. At $t = 1$ the first two points have
-# exchanged their positions, so two rows of the matrix are exchanged, and $d(1) = -d(0)$. So $d$
-# vanishes at some time. The three points are distinct at all times if $\mathbf{p}_3$ is not on the
-# circle. At the time of the zero the matrix is singular, so there are values without an
-# interpolant.
+# Let $g_1, g_2, g_3$ be continuous, and let $d(t)$ be the determinant with the entries
+# $g_l(\mathbf{p}_i(t))$. It is a continuous function. At $t = 1$ the first two points have
+# exchanged their positions, so two rows are exchanged and $d(1) = -d(0)$. Hence $d$ vanishes at
+# some time. The points are distinct at all times if $\mathbf{p}_3$ is not on the circle. At the
+# zero the matrix is singular, so some values have no interpolant.
 
 # %% [markdown] rubric="09.10"
 # One point: the determinant is continuous. One: the exchange of two rows changes its sign, hence a

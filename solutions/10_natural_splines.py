@@ -791,19 +791,15 @@ def influence(which):
 # </details>
 
 # %% [markdown] answer="10.8" points=4 minutes=10 words=50
-# Let $g = f - s$; it vanishes at all sites. On each interval
-# $\int g'' s'' dx = [g' s''] - \int g' s''' dx$.
+# Let $g = f - s$. On each interval $\int g'' s''\,dx = [g' s''] - \int g' s'''\,dx$. The brackets
+# cancel at inner sites, where $g'$ and $s''$ are continuous. At the ends they vanish because $s$ is
+# natural: $s'' = 0$ there. On an interval $s'''$ is constant, and $\int g'\,dx = 0$ because the
+# values agree. Outside the sites $s'' = 0$.
 #
-# *Boundary terms.* $g'$ and $s''$ are continuous, so the brackets of neighbouring intervals cancel
-# at each inner site. The remainder is $g'(x_N) s''(x_N) - g'(x_1) s''(x_1)$. It vanishes because
-# $s$ is natural: $s''$ is zero at both ends.
-#
-# *Integrals.* On an interval $s'''$ is constant, and $\int g' dx$ is the difference of $g$ at its
-# ends. It vanishes because the values agree. Outside the sites $s'' = 0$. So the integral is zero.
-#
-# *Conclusion.* $f'' = s'' + g''$, and
-# $E(f) = E(s) + 2 \int g'' s'' + E(g) = E(s) + E(g) \geq E(s)$. Equality means $g'' = 0$: $g$ is a
-# straight line that vanishes at $N \geq 2$ sites, so $f = s$.
+# *Beyond the question.* $\int g'\,dx$ over an interval is the difference of $g$ at its ends, where
+# $g$ vanishes. The second part of (10.10) follows from $f'' = s'' + g''$: $E(f) = E(s) + 2 \int g''
+# s''\,dx + E(g) = E(s) + E(g) \geq E(s)$. Equality means $g'' = 0$: $g$ is a straight line that
+# vanishes at $N \geq 2$ sites, so $f = s$.
 
 # %% [markdown] rubric="10.8"
 # One point: integration by parts on each interval. One: the boundary terms cancel at inner sites.
@@ -828,11 +824,12 @@ def influence(which):
 # No. The third derivative of a cubic spline jumps at the sites, so $s'''(x_1)$ is not defined by
 # itself. Before the first site the natural spline is straight, so the limits from *outside* are
 # zero, for the second and for the third derivative. This is what the text must mean. From inside
-# $s'''(x_1^+) = M_2 / h_1$, which may be any number. If it were zero too, the curve would be
-# straight on the first interval as well.
+# $s'''(x_1^+) = M_2 / h_1$, which may be any number.
 #
-# (The conditions $s'' = 0$ at both ends determine the curve between the sites only. Outside, a
-# program must continue by the tangents; a continued cubic is not a natural spline.)
+# *Beyond the question.* If the limit from inside were zero too, the curve would be straight on the
+# first interval as well. The conditions $s'' = 0$ at both ends determine the curve between the
+# sites only. Outside, a program must continue by the tangents; a continued cubic is not a natural
+# spline.
 
 # %% [markdown] rubric="10.9"
 # One point: the third derivative jumps at a site, so the side matters. One: the statement of the
@@ -840,9 +837,9 @@ def influence(which):
 # the number is no error.
 
 # %% [markdown]
-# **10.10** What is the dimension of the space of cubic splines with $N$ sites, and of the subspace
-# of natural splines? Derive both numbers by counting coefficients and conditions, and say what is
-# different for $N = 1$.
+# **10.10** Answer by counting coefficients and conditions. (a) What is the dimension of the space
+# of cubic splines with $N$ sites? (b) What is the dimension of the subspace of natural splines for
+# $N \geq 2$? (c) What is it for $N = 1$?
 #
 # <details><summary>Hint</summary>
 #
@@ -852,18 +849,20 @@ def influence(which):
 # </details>
 
 # %% [markdown] answer="10.10" points=3 minutes=10 words=70
-# A cubic polynomial before the first site has four coefficients, and each site adds a truncated
-# power with one coefficient: $N + 4$. A straight line on the left takes two conditions (no $x^2$,
-# no $x^3$). A straight line on the right takes two more, which are (10.2). If the four conditions
-# are independent, the dimension is $N$, the number of values.
+# (a) $N + 4$: a cubic polynomial before the first site has four coefficients, and each site adds a
+# truncated power with one coefficient.
 #
-# For $N = 1$ they are not independent: (10.2) is $\alpha_1 = 0$ and $\alpha_1 x_1 = 0$, the same
-# condition twice. The natural splines are the straight lines, of dimension two, and many of them
-# pass through one pin. So $N \geq 2$ is needed.
+# (b) $N$: a straight line on the left takes two conditions (no $x^2$, no $x^3$). A straight line on
+# the right takes two more, which are (10.2). For $N \geq 2$ the four are independent.
+#
+# (c) Two: now (10.2) is $\alpha_1 = 0$ twice. The natural splines are the straight lines.
+#
+# *Beyond the question.* For $N \geq 2$ the dimension is the number of values. Many straight lines
+# pass through a single pin, so interpolation needs $N \geq 2$.
 
 # %% [markdown] rubric="10.10"
-# One point for $N + 4$ with a reason. One for $N$ with the four conditions. One for $N = 1$: the
-# conditions depend on each other (or: all straight lines are natural splines).
+# (a) One point for $N + 4$ with a reason. (b) One for $N$ with the four conditions. (c) One for
+# $N = 1$: the conditions depend on each other (or: all straight lines are natural splines).
 
 # %% [markdown]
 # ## Dig deeper

@@ -33,6 +33,10 @@
 # minimum spanning tree, Prim's algorithm, signed distance, implicit surface, marching squares.
 # Notebook 14 finds the errors in triangulated surfaces of such bodies. Numbers in brackets, such
 # as (11.1), belong to formulas; numbers without brackets belong to questions.
+#
+# Each question asks for a function with a check below it, or for an answer in words. After a check
+# that is not right, `case()` in a new cell shows the inputs for which your function failed, your
+# values, and the right ones.
 
 # %% tags=["setup"]
 import numpy as np
@@ -806,9 +810,9 @@ def asteroid(height):
 # %% [markdown]
 # ## Questions in words
 #
-# **11.9** Why are off-surface points needed on both sides, and
-# which range of $\Delta$ is suitable? Explain what happens without off-surface points, for a very
-# large $\Delta$ without the test, and for a very small $\Delta$.
+# **11.9** (a) What happens without off-surface points, and why? (b) Why are they added on both
+# sides? (c) What goes wrong for a very large $\Delta$ without the test, and for a very small
+# $\Delta$?
 #
 # <details><summary>Hint</summary>
 #
@@ -818,27 +822,31 @@ def asteroid(height):
 # </details>
 
 # %% [markdown] answer="11.9" points=3 minutes=15 words=80
-# Without off-surface points all values are zero. The system is regular if the points do not lie on
-# one line (plane), so its only solution is zero: $F = 0$ everywhere, without a level or sides.
-# Values on one side would make $F$ different from zero; values on both sides make it change its
-# sign with a slope of about $-1$ along the normal. Then $F$ is close to the signed distance, and
-# the level is well determined.
+# (a) All values are zero and the system is regular, so $F = 0$ everywhere.
 #
-# If $\Delta$ is too large, an off-surface point may lie inside another part of the body, where its
-# value has the wrong sign, or its value is no longer a distance, since another part is nearer. The
-# level breaks into pieces. If $\Delta$ is very small, two sites nearly coincide, two rows of the
-# matrix are nearly equal, and its condition number is large. Errors of the points are divided by
-# the small $\Delta$, so the level becomes rough.
+# (b) Values on both sides make $F$ change its sign at the surface, with a slope of about $-1$ along
+# the normal.
+#
+# (c) A large $\Delta$ puts off-surface points into other parts of the body, where their values have
+# the wrong sign. A small $\Delta$ makes two rows of the matrix nearly equal, and divides errors of
+# the points by $\Delta$.
+#
+# *Beyond the question.* The system is regular if the points do not all lie on one line (in space:
+# in one plane). With the slope $-1$, $F$ is close to the signed distance, and the level is well
+# determined. A large $\Delta$ does harm outside the body, too: the value is no longer a distance if
+# another part is nearer. The level then breaks into pieces. For a very small $\Delta$ the level
+# becomes rough, and the condition number of the matrix is large.
 
 # %% [markdown] rubric="11.9"
-# One point for F = 0 with the reason. One for two sides: change of sign and slope. One for both
-# ends of the range of distances; one of these alone earns half.
+# (a) One point for $F = 0$ with the reason. (b) One for the change of sign, or for the slope. (c)
+# One for both ends of the range of $\Delta$; one end alone earns half.
 
 # %% [markdown]
-# **11.10** Wendland (*Scattered Data Approximation*, 2005, page
-# 3) writes that normals $b_i \mathbf{n}_i$ with signs $b_i = \pm 1$ are consistently oriented if
-# $\sum b_i b_j (1 - |\mathbf{n}_i^T\mathbf{n}_j|)$ over all links is minimal. Show that this is
-# wrong, and that no weight without signs can be right. Which sum should be maximal instead?
+# **11.10** Wendland (*Scattered Data Approximation*, 2005, page 3) calls normals $b_i \mathbf{n}_i$
+# with signs $b_i = \pm 1$ consistently oriented if a sum over all links is minimal: $\sum b_i b_j
+# (1 - |\mathbf{n}_i^T\mathbf{n}_j|)$. (a) Show that this is wrong. (b) Show that no other weight
+# can be right if it does not depend on the signs of the given normals. (c) Which sum should be
+# maximal instead?
 #
 # <details><summary>Hint</summary>
 #
@@ -848,28 +856,28 @@ def asteroid(height):
 # </details>
 
 # %% [markdown] answer="11.10" points=3 minutes=10 words=70 optional
-# The weights are not negative. With outward normals $b = (1, \dots, 1)$ should be the answer; but
-# it makes every term as large as it can be, and the sum is the *greatest* possible, not the least.
-# The least puts opposite signs where the normals differ most.
+# (a) The weights are not negative. For outward normals $b = (1, \dots, 1)$ should be the answer;
+# but it makes every term as large as possible, so the sum is *maximal*.
 #
-# Nor can another weight without signs help: invert one given normal, and the weights stay as they
-# are, so the best $b$ stays the same too, while the right answer has another sign at that point. A
-# sum that does not depend on the given signs cannot correct them.
+# (b) Invert one given normal. The weights stay as they are, so the best $b$ stays the same, while
+# the right answer has another sign at that point.
 #
-# The sum $\sum b_i b_j\, \mathbf{n}_i^T \mathbf{n}_j$ should be maximal: a term is positive where
-# neighbours agree. Its exact maximum is expensive. The tree is a good approximation: along its
-# links every term is made positive, and (11.4) selects the links where the normals are nearly
-# parallel and the decision is safe.
+# (c) $\sum b_i b_j\, \mathbf{n}_i^T \mathbf{n}_j$: a term is positive where neighbours agree.
+#
+# *Beyond the question.* The minimum of the sum in (a) puts opposite signs where the normals differ
+# most. The exact maximum of the sum in (c) is expensive. The tree is a good approximation: along
+# its links every term is made positive, or is zero. By (11.4) it prefers links with nearly parallel
+# normals, where the decision is safe.
 
 # %% [markdown] rubric="11.10"
-# One point for the right normals giving the maximum. One for the invariance: weights without signs
-# do not depend on which normals are inverted. One for the right sum, with signs of the scalar
-# products; (11.4) as the weight of the tree may be named.
+# (a) One point: the right signs give the maximum. (b) One: such weights do not depend on which
+# normals are inverted. (c) One for the sum with signs of the scalar products; (11.4) as the weight
+# of the tree may be named.
 
 # %% [markdown]
-# **11.11** A sheet of metal has been scanned from both sides. Its
-# thickness is smaller than the distance between neighbouring points. What goes wrong in the
-# neighbourhood graph and in the orientation, and which additional measurement would prevent it?
+# **11.11** A sheet of metal has been scanned from both sides. Its thickness is smaller than the
+# distance between neighbouring points. (a) What goes wrong in the neighbourhood graph? (b) What
+# goes wrong in the orientation? (c) Which additional measurement would prevent it?
 #
 # <details><summary>Hint</summary>
 #
@@ -878,20 +886,23 @@ def asteroid(height):
 # </details>
 
 # %% [markdown] answer="11.11" points=3 minutes=10 words=80 optional
-# Graph: the nearest neighbours lie on both sides, so links pass through the sheet. The plane
-# fitted to the neighbours is a compromise; its normal may still be good where the sheet is flat,
-# but not at its edge. Orientation: the normals of both sides are parallel, so the links through
-# the sheet are the cheapest of all. The same sign is given to both sides, and one of them then
-# points inward. Off-surface points on the inside pass the test only within half of the thickness,
-# and with wrong signs they contradict each other.
+# (a) The nearest neighbours lie on both sides, so links pass through the sheet.
 #
-# The direction from which each point was seen, which scanners know, decides about the sign at
-# once: the normal points to the scanner. More points help as well, with a spacing below the
-# thickness, and so do normals measured otherwise.
+# (b) The normals of both sides are parallel, so the links through the sheet are the cheapest of
+# all. The same sign is given to both sides, and one of them then points inward.
+#
+# (c) The direction from which each point was seen, which scanners know: the normal points to the
+# scanner.
+#
+# *Beyond the question.* The plane fitted to the neighbours is a compromise. Its normal may still be
+# good where the sheet is flat, but not at its edge. Off-surface points on the inside pass the test
+# only within half of the thickness, and with wrong signs they contradict each other. Other remedies
+# are more points, with a spacing below the thickness, and normals from another measurement.
 
 # %% [markdown] rubric="11.11"
-# One point for neighbours from both sides in normals or graph. One for the orientation: cheap links
-# with the wrong sign. One for a remedy: direction to the scanner, or denser points.
+# (a) One point for neighbours, or links, from both sides. (b) One for the orientation: cheap links
+# with the wrong sign. (c) One for a remedy: direction to the scanner, measured normals, or denser
+# points.
 
 # %% [markdown]
 # ## Dig deeper

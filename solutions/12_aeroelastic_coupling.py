@@ -35,6 +35,10 @@
 # and Dowell below. Search for: fluid–structure interaction, conservative load transfer, virtual
 # work, Kirchhoff plate, partitioned coupling, torsional divergence. Numbers in brackets, such as
 # (12.1), belong to formulas; numbers without brackets belong to questions.
+#
+# Each question asks for a function with a check below it, or for an answer in words. After a check
+# that is not right, `case()` in a new cell shows the inputs for which your function failed, your
+# values, and the right ones.
 
 # %% tags=["setup"]
 import numpy as np
@@ -180,8 +184,8 @@ print(nearest_node(line, np.array([[0.4], [1.7]])))
 # %% [markdown]
 # ### 12.1 The weights
 #
-# Return $\mathbf{H}$. The function must work on a line, in the plane and in space. The points
-# $\mathbf{y}_i$ are called `places`.
+# Return $\mathbf{H}$. The function must work on a line, in the plane and in space. The argument
+# `points` contains the $\mathbf{y}_i$.
 #
 # <details><summary>Hint</summary>
 #
@@ -192,11 +196,11 @@ print(nearest_node(line, np.array([[0.4], [1.7]])))
 
 
 # %% question="12.1" minutes=15
-def weights(nodes, places):
-    """Return H of (12.2), of shape (M, N), for nodes (N, D) and points `places` (M, D)."""
+def weights(nodes, points):
+    """Return H of (12.2), of shape (M, N), for nodes (N, D) and points (M, D)."""
     # BEGIN SOLUTION
-    ones = np.ones((len(places), 1))
-    b = np.hstack([distances(places, nodes) ** 3, ones, places])
+    ones = np.ones((len(points), 1))
+    b = np.hstack([distances(points, nodes) ** 3, ones, points])
     return np.linalg.solve(system(nodes), b.T).T[:, : len(nodes)]
     # END SOLUTION
 
@@ -292,12 +296,12 @@ def footprint(x, y):
 # $$ \mathbf{F} = \sum_i \mathbf{f}_i, \qquad \mathbf{M}_{\mathbf{a}} = \sum_i (\mathbf{p}_i -
 #    \mathbf{a}) \times \mathbf{f}_i . \tag{12.5} $$
 #
-# **12.3** Let $\mathbf{H}$ be any matrix, from any method, and
-# let the loads be $\mathbf{g} = \mathbf{H}^T\mathbf{f}$. Prove: the total force is conserved for
-# all $\mathbf{f}$ if and only if each row of $\mathbf{H}$ sums to 1; in this case the total moment
-# is conserved for all $\mathbf{f}$ if and only if $\mathbf{H}$ reproduces linear fields. Conclude
-# whether interpolation is "crucial" for conserving work, as Wendland (*Scattered Data
-# Approximation*, 2005, page 6) writes.
+# **12.3** Let $\mathbf{H}$ be any matrix, from any method, and let the loads be $\mathbf{g} =
+# \mathbf{H}^T\mathbf{f}$. (a) Prove that the total force is conserved for all $\mathbf{f}$ if and
+# only if each row of $\mathbf{H}$ sums to 1. (b) Let each row sum to 1. Prove that the total moment
+# is conserved for all $\mathbf{f}$ if and only if $\mathbf{H}$ reproduces linear fields. (c)
+# Wendland (*Scattered Data Approximation*, 2005, page 6) writes that interpolation is "crucial" for
+# conserving work. Is this right?
 #
 # <details><summary>Hint</summary>
 #
@@ -307,23 +311,25 @@ def footprint(x, y):
 # </details>
 
 # %% [markdown] answer="12.3" points=4 minutes=15 words=70
-# The sum of the loads is $\sum_j \mathbf{g}_j = \sum_i (\sum_j H_{ij})\, \mathbf{f}_i$. If all
-# rows sum to 1 it is $\sum_i\mathbf{f}_i$. Conversely, a single force at $\mathbf{y}_i$ is
-# conserved only if its row sums to 1. For the moment, $\sum_j \mathbf{x}_j \times \mathbf{g}_j =
-# \sum_i (\sum_j H_{ij}\mathbf{x}_j) \times \mathbf{f}_i$. This agrees with $\sum_i \mathbf{y}_i
-# \times \mathbf{f}_i$ for all forces exactly if $\sum_j H_{ij}\mathbf{x}_j = \mathbf{y}_i$ for all
-# $i$ (again by single forces), that is, if linear fields are reproduced. The point $\mathbf{a}$
-# does not matter, since the total force is conserved. Both are the work in a rigid motion: a
-# translation, or a rotation $\boldsymbol\omega \times \mathbf{x}$. Work itself is conserved for
-# every $\mathbf{H}$, by (12.3). Nothing above uses $\mathbf{H}$ at a node, so interpolation is not
-# crucial: a least-squares fit of planes conserves work, force and moment as well. The loads must
-# be transferred by the transpose. If displacements and loads are both interpolated, work *is*
-# lost.
+# (a) The loads sum to $\sum_i (\sum_j H_{ij})\, \mathbf{f}_i$. If all rows sum to 1, this is
+# $\sum_i\mathbf{f}_i$. Conversely, a single force at $\mathbf{y}_i$ is conserved only if its row
+# sums to 1.
+#
+# (b) The moment of the loads is $\sum_i (\sum_j H_{ij}\mathbf{x}_j) \times \mathbf{f}_i$. It is
+# $\sum_i \mathbf{y}_i \times \mathbf{f}_i$ for all forces exactly if $\sum_j H_{ij}\mathbf{x}_j =
+# \mathbf{y}_i$ (again by single forces): linear fields are reproduced.
+#
+# (c) No. By (12.3), work is conserved for every $\mathbf{H}$, whatever its values at nodes.
+#
+# *Beyond the question.* The moment about another point $\mathbf{a}$ is conserved as well, since the
+# total force is. Force and moment are the work in a rigid motion: a translation, or a rotation
+# $\boldsymbol\omega \times \mathbf{x}$. A least-squares fit of planes does not interpolate, and
+# conserves work, force and moment as well. The loads must be transferred by the transpose. If
+# displacements and loads are both interpolated, work *is* lost.
 
 # %% [markdown] rubric="12.3"
-# One point for the total force with "if", one for "only if", by single forces for instance. One
-# for the moment with linear fields. One for the conclusion that the proof does not use
-# interpolation.
+# (a) One point for "if", one for "only if", by single forces for instance. (b) One point for the
+# moment with linear fields. (c) One point: no, since work is conserved for every $\mathbf{H}$.
 
 # %% [markdown]
 # ### 12.4 Force and moment
@@ -410,24 +416,27 @@ def what_goes_wrong(stations):
 # it. The nearest node conserves the lift, since each row has a single 1; the moments are wrong.
 # The transpose is exact up to rounding, with three stations or with fourteen.
 #
-# **12.5** Wendland (2005, page 5) requires two properties of
-# loads $\mathbf{g} = \mathbf{G}\mathbf{f}$: constant loads, $f_i = 1$ for all $i$, are reproduced
-# as $g_j = 1$; and the total force is conserved for all $\mathbf{f}$. Show that no matrix
-# $\mathbf{G}$ has both properties unless $M = N$. Which property must be kept, and for which
-# quantity does the other make sense?
+# **12.5** Wendland (2005, page 5) requires two properties of loads $\mathbf{g} =
+# \mathbf{G}\mathbf{f}$. Constant loads, $f_i = 1$ for all $i$, are reproduced as $g_j = 1$; and the
+# total force is conserved for all $\mathbf{f}$. (a) Show that no matrix $\mathbf{G}$ has both
+# properties unless $M = N$. (b) For which quantity, in place of forces, does the first property
+# make sense?
 
 # %% [markdown] answer="12.5" points=2 minutes=10 words=40
-# The first says $\mathbf{G}\mathbf{1}_M = \mathbf{1}_N$, the second $\mathbf{1}_N^T\mathbf{G} =
+# (a) The properties are $\mathbf{G}\mathbf{1}_M = \mathbf{1}_N$ and $\mathbf{1}_N^T\mathbf{G} =
 # \mathbf{1}_M^T$. Then $N = \mathbf{1}_N^T\mathbf{1}_N = \mathbf{1}_N^T\mathbf{G}\mathbf{1}_M =
-# \mathbf{1}_M^T\mathbf{1}_M = M$. So forty forces of one, with the sum forty, would become twelve
-# of one, with the sum twelve. The total force is physics and must stay. A single force has no
-# meaning without the piece of skin on which it acts: finer meshes have smaller forces. A
-# *density*, force per area, can be constant, and constant densities can be reproduced while their
-# integrals agree.
+# \mathbf{1}_M^T\mathbf{1}_M = M$.
+#
+# (b) For a *density*, force per area. It can be constant on both meshes, while single forces depend
+# on the mesh: a finer mesh has smaller forces.
+#
+# *Beyond the question.* Forty forces of one, with the sum forty, would become twelve of one, with
+# the sum twelve. The total force is physics and must be conserved. Constant densities can be
+# reproduced while their integrals agree, as the next question shows.
 
 # %% [markdown] rubric="12.5"
-# One point for the contradiction, also by an example. One for keeping the total and for densities,
-# force per area, as what may be constant.
+# (a) One point for the contradiction, also by an example. (b) One for densities: pressure, or force
+# per area.
 
 # %% [markdown]
 # ## Transfer of pressures
@@ -489,17 +498,17 @@ check("12.6")
 
 
 # %% question="12.7" minutes=20 optional
-def slopes(nodes, places):
+def slopes(nodes, points):
     """Return G of shape (D, M, N), the derivatives of H along the D axes.
 
-    nodes have the shape (N, D), the points `places` (M, D).
+    nodes have the shape (N, D), points (M, D).
     """
     # BEGIN SOLUTION
-    n, r = len(nodes), distances(places, nodes)
+    n, r = len(nodes), distances(points, nodes)
     g = []
     for k in range(nodes.shape[1]):
-        b = np.zeros((len(places), len(system(nodes))))
-        b[:, :n] = 3 * r * (places[:, [k]] - nodes[:, k])
+        b = np.zeros((len(points), len(system(nodes))))
+        b[:, :n] = 3 * r * (points[:, [k]] - nodes[:, k])
         b[:, n + 1 + k] = 1
         g.append(np.linalg.solve(system(nodes), b.T).T[:, :n])
     return np.array(g)
@@ -526,10 +535,10 @@ check("12.7")
 
 
 # %% question="12.8" minutes=15 optional
-def flat_loads(nodes, places, f):
-    """Return g (N, 3) for nodes (N, 2) of the plane, points `places` (M, 3), forces (M, 3)."""
+def flat_loads(nodes, points, f):
+    """Return g (N, 3) for nodes (N, 2) of the plane, points (M, 3) and forces (M, 3)."""
     # BEGIN SOLUTION
-    p, height = places[:, :2], places[:, 2]
+    p, height = points[:, :2], points[:, 2]
     g1, g2 = slopes(nodes, p)
     g = weights(nodes, p).T @ f
     g[:, 2] -= g1.T @ (height * f[:, 0]) + g2.T @ (height * f[:, 1])
@@ -549,10 +558,10 @@ check("12.8")
 @draw(height=Slider(-0.6, 0.6, 0.4, "height of the force", steps=24))
 def pulled_along(height):
     nodes = data("12.8")[0]
-    place, force = np.array([[0.5, 0.5, height]]), np.array([[1.0, 0, 0]])
-    g = flat_loads(nodes, place, force)
+    point, force = np.array([[0.5, 0.5, height]]), np.array([[1.0, 0, 0]])
+    g = flat_loads(nodes, point, force)
     flat = np.pad(nodes, ((0, 0), (0, 1)))
-    before, after = (resultants(p, f, np.zeros(3)) for p, f in ((place, force), (flat, g)))
+    before, after = (resultants(p, f, np.zeros(3)) for p, f in ((point, force), (flat, g)))
 
     def seen(points):
         return points[:, 0] + 0.45 * points[:, 1], 0.4 * points[:, 1] + points[:, 2]
@@ -570,7 +579,7 @@ def pulled_along(height):
                 ends[0],
                 arrowprops={"arrowstyle": "->", "color": BLUE, "lw": 2, "shrinkA": 0, "shrinkB": 0},
             )
-        foot = np.vstack([place * [1, 1, 0], place, place + [0.45, 0, 0]])
+        foot = np.vstack([point * [1, 1, 0], point, point + [0.45, 0, 0]])
         axes.plot(*seen(foot[:2]), ":", color=ORANGE)
         start, tip = np.column_stack(seen(foot[1:]))
         axes.annotate(
@@ -597,10 +606,9 @@ def pulled_along(height):
 
 
 # %% [markdown]
-# **12.9** Why is the matrix of (12.1) singular if all
-# nodes lie in the plane $x_3 = 0$? Show that (12.7) reproduces the rotation $\mathbf{u}_j =
-# \boldsymbol\omega \times \mathbf{x}_j$ at every point of the skin, and conclude that the total
-# moment is conserved.
+# **12.9** (a) Why is the matrix of (12.1) singular if all nodes lie in the plane $x_3 = 0$? (b)
+# Show that (12.7) reproduces the rotation $\mathbf{u}_j = \boldsymbol\omega \times \mathbf{x}_j$ at
+# every point of the skin. (c) Conclude that the total moment is conserved.
 #
 # <details><summary>Hint</summary>
 #
@@ -610,20 +618,24 @@ def pulled_along(height):
 # </details>
 
 # %% [markdown] answer="12.9" points=3 minutes=10 words=60 optional
-# The polynomial $y_3$ vanishes at all nodes, so $\boldsymbol\lambda = \mathbf{0}$, $c_0 = 0$,
-# $\mathbf{c} = (0, 0, 1)^T$ solves the homogeneous system: displacements in one plane do not
-# determine how a field changes *across* the plane. (12.7) assumes instead that the normal stays
-# straight and normal to the plate. With $\mathbf{x} = (x_1, x_2, 0)$ the rotation is
-# $\boldsymbol\omega\times\mathbf{x} = (-\omega_3 x_2,\ \omega_3 x_1,\ \omega_1 x_2 - \omega_2
-# x_1)$, linear in the plane, so the first sum of (12.7) is its value at $\mathbf{p}_i$. The third
-# component has the slopes $-\omega_2$ and $\omega_1$, so the second term is $\zeta_i(\omega_2,
-# -\omega_1, 0) = \boldsymbol\omega \times (0, 0, \zeta_i)$. The sum is
-# $\boldsymbol\omega\times\mathbf{y}_i$. The total moment is the work in rotations; they are
-# reproduced, and the loads are the transpose, so it is conserved.
+# (a) The polynomial $y_3$ vanishes at all nodes and solves the homogeneous system, with
+# $\boldsymbol\lambda = \mathbf{0}$.
+#
+# (b) In the plane the rotation is linear, so the first sum is its value at $\mathbf{p}_i$. Its
+# third component has the slopes $-\omega_2$ and $\omega_1$. The second term is
+# $\zeta_i(\omega_2, -\omega_1, 0) = \boldsymbol\omega \times (0, 0, \zeta_i)$, and $\mathbf{v}_i =
+# \boldsymbol\omega\times\mathbf{y}_i$.
+#
+# (c) The moment is the work in rotations, which the loads conserve.
+#
+# *Beyond the question.* Displacements in one plane do not determine how a field changes *across*
+# the plane. (12.7) assumes instead that the normal stays straight and normal to the plate. In the
+# plane, $\boldsymbol\omega\times\mathbf{x} = (-\omega_3 x_2,\ \omega_3 x_1,\ \omega_1 x_2 -
+# \omega_2 x_1)$.
 
 # %% [markdown] rubric="12.9"
-# One point for the polynomial that vanishes on the nodes. One for the rotation. One for work in
-# rotations as the reason for the moment.
+# (a) One point for the polynomial that vanishes at the nodes. (b) One for the rotation. (c) One for
+# the work in rotations as the reason.
 
 # %% [markdown]
 # ## Partitioned coupling
@@ -814,11 +826,10 @@ def divergence(K, H, A):
 check("12.11")
 
 # %% [markdown]
-# **12.12** Divergence of the wing and divergence of the
-# iteration are different things. For which $\omega > 0$ do the iterates of the typical section
-# converge, if $\lambda < 1$ and if $\lambda > 1$? Give a $\lambda$ for which the wing is stable
-# while the iteration with $\omega = 1$ diverges, and explain why the $\theta$ of (12.10) does not
-# occur for $\lambda > 1$.
+# **12.12** Divergence of the wing and divergence of the iteration are different things. (a) For
+# which $\omega > 0$ do the iterates of the typical section converge, if $\lambda < 1$ and if
+# $\lambda > 1$? (b) Give a $\lambda$ for which the wing is stable while the iteration with
+# $\omega = 1$ diverges.
 #
 # <details><summary>Hint</summary>
 #
@@ -827,19 +838,23 @@ check("12.11")
 # </details>
 
 # %% [markdown] answer="12.12" points=3 minutes=10 words=60
-# By (12.9) and (12.10), $\theta^{n+1} = (1-\omega)\theta^n + \omega\lambda(\alpha_0 + \theta^n)$,
-# so the error is multiplied by $1 - \omega(1-\lambda)$ in each step. For $\lambda < 1$ its modulus
-# is less than 1 exactly if $0 < \omega < 2/(1-\lambda)$. For $\lambda > 1$ the factor exceeds 1
-# for all $\omega > 0$: no relaxation helps. Any $\lambda < -1$ is an example, such as $\lambda =
-# -2$: lift behind the axis rotates the nose back, so the wing is stable, but with $\omega = 1$ the
-# factor is $\lambda$ and the iterates oscillate with growing amplitude. ($\omega = 1/(1-\lambda)$
-# makes the factor zero.) For $\lambda > 1$ the $\theta$ of (12.10) is an equilibrium with the nose
-# down, in which any small rotation grows: the moment of the lift increases faster than that of the
-# spring. An unstable equilibrium does not occur.
+# (a) Since $\theta^{n+1} = (1-\omega)\theta^n + \omega\lambda(\alpha_0 + \theta^n)$, each step
+# multiplies the error by $1 - \omega(1-\lambda)$. For $\lambda < 1$ the iterates converge exactly
+# if $\omega < 2/(1-\lambda)$. For $\lambda > 1$ the factor exceeds 1 for all $\omega > 0$, so they
+# diverge.
+#
+# (b) $\lambda = -2$, or any $\lambda < -1$: lift behind the axis rotates the nose back, so the wing
+# is stable, but the factor is $\lambda$.
+#
+# *Beyond the question.* The first formula follows from (12.9) and (12.10). With $\omega =
+# 1/(1-\lambda)$ the factor is zero. With $\lambda < -1$ and $\omega = 1$ the iterates oscillate
+# with growing amplitude. For $\lambda > 1$ the $\theta$ of (12.10) is an equilibrium with the nose
+# down. Any small rotation grows there, since the moment of the lift increases faster than that of
+# the spring. An unstable equilibrium does not occur in practice.
 
 # %% [markdown] rubric="12.12"
-# One point for the factor and both cases. One for an example with $\lambda < -1$. One for an
-# equilibrium that is unstable.
+# (a) One point for the factor, one for the right conclusion in both cases. (b) One point for an
+# example with $\lambda < -1$.
 
 # %% [markdown]
 # ## An elastic wing with sweep

@@ -36,6 +36,10 @@
 # Questions 11.5 and 12.1 ask for the linear system of this notebook, so here it is given.
 # Numbers in brackets, such as (13.1), belong to formulas; numbers without brackets belong to
 # questions.
+#
+# Each question asks for a function with a check below it, or for an answer in words. After a check
+# that is not right, `case()` in a new cell shows the inputs for which your function failed, your
+# values, and the right ones.
 
 # %% tags=["setup"]
 import numpy as np
@@ -308,11 +312,10 @@ def orders():
 
 
 # %% [markdown]
-# **13.4** A scheme on a grid that computes a new value from the
-# values at direct neighbours must satisfy the *CFL condition* $\lvert\mathbf{a}\rvert\, \Delta t /
-# h \le 1$, with the spacing $h$; the left side is the *CFL number*. Prove that $u$ is constant
-# along characteristics. Use this to explain why the CFL condition is necessary there, and why it
-# does not limit (13.2). What limits $\Delta t$ in (13.2) instead?
+# **13.4** Some schemes on a grid compute a new value from the values at direct neighbours. They
+# must satisfy the *CFL condition* $\lvert\mathbf{a}\rvert\, \Delta t / h \le 1$, with the spacing
+# $h$; the left side is the *CFL number*. (a) Prove that $u$ is constant along characteristics. (b)
+# Conclude why such a scheme needs the CFL condition, and why (13.2) does not.
 #
 # <details><summary>Hint</summary>
 #
@@ -322,17 +325,20 @@ def orders():
 # </details>
 
 # %% [markdown] answer="13.4" points=3 minutes=10 words=60
-# By the chain rule $\frac{d}{d\tau} u(\mathbf{y}(\tau), \tau) = u_t + \dot{\mathbf{y}} \cdot
-# \nabla u = u_t + \mathbf{a}\cdot\nabla u = 0$. So the new value is determined at the departure
-# point. If the particle comes from farther than the direct neighbours, their values do not contain
-# it, and no formula that uses only them can be right. (13.2) evaluates the field *at* the
-# departure point, however far away it is. Only the departure point itself must be accurate: the
-# step is limited by the change of the velocity along the path, $\Delta t\,
-# \lVert\nabla\mathbf{a}\rVert$, and not by the spacing of the sites.
+# (a) By the chain rule $\frac{d}{d\tau} u(\mathbf{y}(\tau), \tau) = u_t + \dot{\mathbf{y}} \cdot
+# \nabla u = u_t + \mathbf{a}\cdot\nabla u = 0$.
+#
+# (b) So the new value is determined at the departure point. If this point lies beyond the direct
+# neighbours, their values do not determine the field there, and no formula that uses only them can
+# be right. (13.2) evaluates the field *at* the departure point, however far away it is.
+#
+# *Beyond the question.* In (13.2) only the departure point itself must be accurate. So the step is
+# limited by the change of the velocity along the path, $\Delta t\, \lVert\nabla\mathbf{a}\rVert$,
+# and not by the spacing of the sites.
 
 # %% [markdown] rubric="13.4"
-# One point for the chain rule. One for the departure point as what determines the value, for both
-# schemes. One for the change of the velocity as what limits the step.
+# (a) One point for the chain rule. (b) One point: the direct neighbours do not determine the value
+# at a departure point that is farther away. One: (13.2) uses the departure point at any distance.
 
 # %% [markdown]
 # ## One step as a matrix
@@ -530,10 +536,10 @@ def how_many_steps(sites):
 
 
 # %% [markdown]
-# **13.7** The error of `rk4` first falls with the number of
-# steps and then rises. Explain both with two error terms: $C_1 \Delta t^{p}$ for the departure
-# points after the whole time $T$, and $C_2 h^q$ for *one* reconstruction, with the spacing $h$ of
-# the sites. Which $\Delta t$ is the best, and how does it depend on $h$?
+# **13.7** The error of `rk4` first falls with the number of steps and then rises. There are two
+# error terms: $C_1 \Delta t^{p}$ for the departure points after the whole time $T$, and $C_2 h^q$
+# for *one* reconstruction, with the spacing $h$ of the sites. (a) Explain the fall and the rise.
+# (b) How does the best $\Delta t$ depend on $h$?
 #
 # <details><summary>Hint</summary>
 #
@@ -541,16 +547,22 @@ def how_many_steps(sites):
 #
 # </details>
 
-# %% [markdown] answer="13.7" points=3 minutes=15 words=70
-# There are $T/\Delta t$ steps, and each reconstructs once, so the whole error is about $C_1\Delta
-# t^p + (T/\Delta t)\, C_2 h^q$. The first term falls as steps get shorter, the second grows: every
-# reconstruction blurs a little. The derivative vanishes at $p\, C_1 \Delta t^{p+1} = T C_2 h^q$,
-# so the best step is proportional to $h^{q/(p+1)}$: with finer sites more steps pay. The error of
-# Euler's scheme falls throughout, since its first term dominates.
+# %% [markdown] answer="13.7" points=3 minutes=15 words=50
+# (a) There are $T/\Delta t$ steps, each with one reconstruction, so the whole error is about
+# $C_1\Delta t^p + (T/\Delta t)\, C_2 h^q$. With more steps the first term falls and the second
+# grows.
+#
+# (b) The derivative vanishes at $p\, C_1 \Delta t^{p+1} = T C_2 h^q$, so the best step is
+# proportional to $h^{q/(p+1)}$.
+#
+# *Beyond the question.* Every reconstruction smooths the field a little. With finer sites the best
+# number of steps is larger. The error of Euler's scheme falls throughout, since its first term
+# dominates.
 
 # %% [markdown] rubric="13.7"
-# One point for the two terms. One for the number of steps as the factor of the second. One for the
-# best step, by a formula or in words with its dependence on the spacing.
+# (a) One point: the number of steps is a factor of the second term. One: the first term falls and
+# the second grows. (b) One for the best step as a power of $h$; "smaller for a smaller $h$", with
+# the reason, earns half.
 
 # %% [markdown]
 # ## Bounds: a quasi-monotone scheme
@@ -685,31 +697,30 @@ def bounds_and_mass():
 # field hardly visibly. The bounds have a price: compare the height of the hill in the three
 # pictures.
 #
-# **13.10** Show that (13.9) determines exactly one field
-# $\mathbf{v}$ if $M$ lies between $\sum_j m_j l_j$ and $\sum_j m_j h_j$, even where several
-# $\lambda$ are possible. Which condition on $\mathbf{H}$ would conserve the mass of *every* field
-# without a correction, and why does (13.7) not satisfy it in general?
+# **13.10** Let $M$ lie between $\sum_j m_j l_j$ and $\sum_j m_j h_j$. Show that (13.9) determines
+# exactly one field $\mathbf{v}$, even where several $\lambda$ are possible.
 #
 # <details><summary>Hint</summary>
 #
-# Regard $v_j$ as a function of $\lambda$. For the second part write the mass after a step as
-# $\mathbf{m}^T\mathbf{H}\mathbf{u}$.
+# Regard $v_j$ as a function of $\lambda$. Can one $v_j$ fall while another one rises?
 #
 # </details>
 
-# %% [markdown] answer="13.10" points=3 minutes=10 words=80
-# Each $v_j$ is a continuous, nondecreasing function of $\lambda$, and so is the mass. For
-# $\lambda$ small enough all are at $l_j$, for $\lambda$ large enough at $h_j$, so every mass
-# between is reached. Where the mass stays the same over a whole interval of $\lambda$, no $v_j$
-# changes there, since none falls and the $m_j$ are positive: the field is unique even if $\lambda$
-# is not. The mass after a step is $\mathbf{m}^T\mathbf{H}\mathbf{u}$. It equals the mass before
-# for every $\mathbf{u}$ exactly if $\mathbf{m}^T\mathbf{H} = \mathbf{m}^T$, a condition on
-# columns. (13.7) guarantees only $\mathbf{H}\mathbf{1} = \mathbf{1}$, a condition on rows: the
-# polynomial reproduces constants.
+# %% [markdown] answer="13.10" points=3 minutes=10 words=60
+# Each $v_j$ is a continuous, nondecreasing function of $\lambda$, and so is the mass. If $\lambda$
+# is small enough, all $v_j = l_j$; if it is large enough, all $v_j = h_j$. So every mass between is
+# reached. If two numbers $\lambda$ give the same mass, they give the same field: no $v_j$ is
+# smaller for the larger one, and the $m_j$ are positive.
+#
+# *Beyond the question.* A step without a correction conserves the mass of *every* field exactly if
+# $\mathbf{m}^T\mathbf{H} = \mathbf{m}^T$, a condition on columns. The reason is that the mass after
+# a step is $\mathbf{m}^T\mathbf{H}\mathbf{u}$. (13.7) guarantees only $\mathbf{H}\mathbf{1} =
+# \mathbf{1}$, a condition on rows: the polynomial reproduces constants.
 
 # %% [markdown] rubric="13.10"
-# One point for monotone and continuous with the two extremes. One for uniqueness of the field. One
-# for $\mathbf{m}^T\mathbf{H} = \mathbf{m}^T$ against $\mathbf{H}\mathbf{1} = \mathbf{1}$.
+# One point: the mass is a continuous, nondecreasing function of $\lambda$. One: it takes both
+# extreme values, hence all between. One: the field is unique, since no $v_j$ can change while the
+# mass stays the same.
 
 # %% [markdown]
 # ## A deformation flow that reverses
@@ -798,9 +809,8 @@ def one_step_of_a_wave(dt):
 
 
 # %% [markdown]
-# **13.12** For which $\Delta t$ does the iteration (13.10)
-# surely converge, and what has this bound to do with the time $t^* = 1/\max(-u_x)$ at which the
-# wave breaks?
+# **13.12** (a) For which $\Delta t$ does the iteration (13.10) surely converge? (b) What has this
+# bound to do with the time $t^* = 1/\max(-u_x)$ at which the wave breaks?
 #
 # <details><summary>Hint</summary>
 #
@@ -810,19 +820,22 @@ def one_step_of_a_wave(dt):
 # </details>
 
 # %% [markdown] answer="13.12" points=2 minutes=10 words=70 optional
-# The difference of two successive iterates is $-\Delta t\,(s(y^m) - s(y^{m-1}))$, at most $\Delta
-# t \max\lvert s'\rvert$ times the one before; if this factor is less than 1, the iteration
-# converges at least as fast as its powers (it is a contraction). The particle from $x_0$ is at
-# $x_0 + t\,u(x_0)$; this map has the derivative $1 + t\,u_x$, which first vanishes at $t^*$, where
-# particles overtake each other. From then on some points have several departure points, and
-# (13.10) has several solutions. Where the velocity falls most steeply, $\Delta t\,\lvert s'
-# \rvert$ reaches 1 at the same moment. Before, paths are straight, so there is no error in time at
-# all. (The iteration can also fail where the velocity rises as steeply, although there is only one
-# solution.)
+# (a) The difference of two successive iterates is $-\Delta t\,(s(y^m) - s(y^{m-1}))$, at most
+# $\Delta t \max\lvert s'\rvert$ times the one before. If this factor is less than 1, the iteration
+# converges.
+#
+# (b) The particle from $x_0$ is at $x_0 + t\,u(x_0)$. The derivative $1 + t\,u_x$ of this map first
+# vanishes at $t^*$; afterwards some points have several departure points. Where the velocity falls
+# most steeply, $\Delta t\,\lvert s' \rvert = 1$ at the same time.
+#
+# *Beyond the question.* The iteration is a contraction, and the differences fall at least as the
+# powers of the factor. After $t^*$ the equation for $y$ has several solutions. Before, paths are
+# straight, so there is no error in time at all. The iteration can also fail where the velocity
+# rises as steeply, although there is only one solution.
 
 # %% [markdown] rubric="13.12"
-# One point for the factor $\Delta t\,\lvert u_x\rvert < 1$. One for departure points that are no
-# longer unique after $t^*$.
+# (a) One point for the factor $\Delta t\,\lvert u_x\rvert < 1$. (b) One for departure points that
+# are no longer unique after $t^*$.
 
 # %% [markdown]
 # ## Dig deeper
@@ -832,6 +845,8 @@ def one_step_of_a_wave(dt):
 #   After how many rotations is the growth visible?
 # - Use sites in a square and flow 0: at the corners the departure points lie outside. What does
 #   (13.7) compute there, and which boundary values does the equation need at such an inflow?
+# - Which condition on $\mathbf{H}$ would conserve the mass of *every* field without (13.9)? Why
+#   does (13.7) not satisfy it in general? Write the mass as $\mathbf{m}^T\mathbf{H}\mathbf{u}$.
 # - Why is an affine field transported by flow 0 without any error of reconstruction?
 # - Move the sites with the flow (a *Lagrangian* method): each site of the next step is the
 #   position to which the flow moves a site. What remains of the error after one rotation? When are

@@ -29,6 +29,10 @@
 # boundary loop, bow-tie vertex, orientable surface, degenerate triangle, self-intersection,
 # T-junction. Notebook 11 constructs surfaces; here their files are examined. Numbers in brackets,
 # such as (14.1), belong to formulas; numbers without brackets belong to questions.
+#
+# Each question asks for a function with a check below it, or for an answer in words. After a check
+# that is not right, `case()` in a new cell shows the inputs for which your function failed, your
+# values, and the right ones.
 
 # %% tags=["setup"]
 import numpy as np
@@ -621,9 +625,10 @@ def strips(twists):
 #
 # So far the positions of the points were used for merging only. The last two errors are geometric.
 #
-# A triangle without area has no normal. Two kinds occur: *needles*, with two corners at the same
-# point, and *caps*, with one corner on the opposite side, whose three sides are all long. We call
-# a triangle *flat* if its smallest height is at most a tolerance:
+# A triangle without area is *degenerate*: it has no normal. Two kinds occur: *needles*, with two
+# corners at the same point, and *caps*, with one corner on the opposite side, whose three sides are
+# all long. Coordinates are rounded, so we allow a tolerance. We call a triangle *flat*, that is,
+# degenerate within the tolerance $\tau$, if its smallest height is at most $\tau$:
 #
 # $$ h = \frac{2A}{\text{its longest side}} \le \tau . \tag{14.3} $$
 #
@@ -633,8 +638,9 @@ def strips(twists):
 #
 # ### 14.7 Flat triangles
 #
-# Return whether each triangle is flat. Some triangles name a vertex twice, or have corners at the
-# same point. They are flat for every $\tau \ge 0$. Avoid the division of zero by zero.
+# Return whether each triangle is flat. Needles, caps and very small triangles occur. Some triangles
+# are exactly degenerate: they name a vertex twice, or have corners at the same point. They are flat
+# for every $\tau \ge 0$. Avoid the division of zero by zero.
 
 
 # %% question="14.7" minutes=15
@@ -688,9 +694,9 @@ check("14.7")
 #
 # ### 14.8 Segments through triangles
 #
-# For each of $K$ pairs of a segment and a triangle, return whether (14.5) holds. No segment touches
-# an edge or a corner of its triangle. Some segments end in the plane of the triangle or lie in this
-# plane. The first condition does not hold for these segments.
+# For each of $K$ pairs of a segment and a triangle, return whether (14.5) holds. No triangle is
+# degenerate. No segment touches an edge or a corner of its triangle. Some segments end in the plane
+# of the triangle or lie in this plane. The first condition does not hold for these segments.
 #
 # <details><summary>Hint</summary>
 #
@@ -869,10 +875,9 @@ def thinned(tolerance):
 # ## Questions in words
 #
 # **14.9** A lecture note has a list of "non-manifold errors": duplicate vertices, edges and
-# triangles; a surface with a boundary; flipped triangles; self-intersections. Say for each of them
-# what it concerns: the *boundary*, the *orientation*, the *embedding*, the *representation* in the
-# file, or indeed a condition of manifolds. Which two violations of manifolds are missing in the
-# list?
+# triangles; a surface with a boundary; flipped triangles; self-intersections. (a) Say for each of
+# them what it concerns: the *boundary*, the *orientation*, the *embedding*, or the *representation*
+# in the file. (b) Which two violations of manifolds are missing in the list?
 #
 # <details><summary>Hint</summary>
 #
@@ -882,27 +887,28 @@ def thinned(tolerance):
 # </details>
 
 # %% [markdown] answer="14.9" points=4 minutes=15 words=100 optional
-# None of them is one as such. A manifold needs at most two triangles at each edge and a single fan
-# at each vertex. A manifold may have a boundary (a sheet of paper); that concerns whether it is
-# closed. Flipped triangles concern the orientation: the order within a triangle, while the surface
-# as a set of triangles stays the same manifold. Self-intersections concern the embedding: where
-# the points lie; moved elsewhere, the same list has none. Duplicate vertices and triangles concern
-# the representation. They have consequences in the counts: duplicate vertices make a boundary
-# along a seam, and a triangle that is listed twice in a closed mesh makes three edges of three
-# triangles, so it does violate the conditions of a manifold, though by repetition only. A list of
-# triangles has no list of edges, so no edge can be there twice.
+# (a) *Representation*: duplicate vertices and triangles. A list of triangles has no list of edges,
+# so no edge can be there twice. *Boundary*: a surface with a boundary. A sheet of paper is a
+# manifold that is not closed. *Orientation*: flipped triangles. They concern the order of the
+# vertices, while the surface as a set of triangles stays the same manifold. *Embedding*:
+# self-intersections. They concern where the points lie, and moving the points can remove them.
 #
-# Missing are edges of three triangles or more that are no repetition, and bow-ties: vertices with
-# several fans. (T-junctions and triangles without area are missing too.)
+# (b) Edges with three or more different triangles, and bow-ties: vertices with several fans.
+#
+# *Beyond the question.* A manifold needs at most two triangles at each edge and a single fan at
+# each vertex. Of the listed errors only duplicate triangles violate these conditions, and only by
+# repetition: one of them in a closed mesh makes three edges with three triangles. Duplicate
+# vertices make a boundary along a seam. T-junctions and triangles without area are missing in the
+# list, too.
 
 # %% [markdown] rubric="14.9"
-# One point for boundary, orientation and embedding, each with the right error. One for duplicates
-# as a matter of representation, with one of their consequences. One each for the missing errors:
-# crowded edges, and bow-ties.
+# (a) One point for boundary, orientation and embedding, each with the right error. One for
+# duplicates as a matter of representation. (b) One point for edges with three or more triangles,
+# one for bow-ties.
 
 # %% [markdown]
-# **14.10** "The Euler characteristic of the file is 2, so it is a sphere." Give two different
-# reasons why this does not follow, each with an example. Which checks must a list of triangles
+# **14.10** "The Euler characteristic of the file is 2, so it is a sphere." (a) Give two different
+# reasons why this does not follow, each with an example. (b) Which checks must a list of triangles
 # pass before (14.2) determines the number of handles?
 #
 # <details><summary>Hint</summary>
@@ -913,19 +919,22 @@ def thinned(tolerance):
 # </details>
 
 # %% [markdown] answer="14.10" points=3 minutes=10 words=70
-# Components add up: a sphere and any number of tori have 2 as well, and so have two sheets of
-# paper, with 1 each. Nor need it be a manifold: a fin on a sphere adds one vertex, two edges and
-# one triangle, which leaves 2; and two spheres and a torus, all merged in one vertex, have $2 +
-# 2 + 0 - 2 = 2$.
+# (a) Components add up: a sphere and a torus have 2 together. Nor need it be a manifold: a fin on a
+# sphere adds one vertex, two edges and one triangle, leaving 2.
 #
-# The vertices must be merged, without repeated triangles; each component must be taken by itself;
-# it must be a manifold, with at most two triangles at each edge and one fan at each vertex; its
-# loops must be counted, $b$ of them; and it must be orientable. Then $g = (2 - b - \chi)/2$. For
-# the Möbius strip with $\chi = 0$ and $b = 1$ this would be half a handle.
+# (b) Vertices are merged, and no triangle is repeated. Each component is a manifold (at most two
+# triangles at each edge, one fan at each vertex) and orientable, and its $b$ boundary loops are
+# counted. Then $g = (2 - b - \chi)/2$.
+#
+# *Beyond the question.* Two sheets of paper have 2 together, with 1 each. Two spheres and a torus,
+# all merged in one vertex, have $2 + 2 + 0 - 2 = 2$. A torus with two triangles listed twice has
+# $0 + 2 = 2$. The Möbius strip has $\chi = 0$ and $b = 1$, so $g$ would be half a handle: it is not
+# orientable.
 
 # %% [markdown] rubric="14.10"
-# One point for each of two reasons with an example (several components; boundary; no manifold).
-# One for the checks: connected, manifold, loops counted, orientable; one of them may be missing.
+# (a) One point for each of two reasons with an example: several components, not a manifold, or
+# triangles listed twice. (b) One for the checks: connected, manifold, orientable, loops counted;
+# one of them may be missing.
 
 # %% [markdown]
 # ## Dig deeper

@@ -222,34 +222,34 @@ def with_both_terms_of_the_product_rule(points, values, x, epsilon):
 
 
 @answers("02.8")
-def by_lstsq_and_shape_functions(points, places, n, epsilon):
-    v, t = np.sum(points, axis=1) ** n, np.sum(places, axis=1) ** n
+def by_lstsq_and_shape_functions(points, queries, n, epsilon):
+    v, t = np.sum(points, axis=1) ** n, np.sum(queries, axis=1) ** n
     c = np.linalg.lstsq(np.insert(points, 0, 1, axis=1), v, rcond=None)[0]
-    plain = np.insert(places, 0, 1, axis=1) @ c
-    moving = np.array([shape_functions(points, p, epsilon) @ v for p in places])
-    return np.linalg.norm([plain - t, moving - t], axis=1) / np.sqrt(len(places))
+    plain = np.insert(queries, 0, 1, axis=1) @ c
+    moving = np.array([shape_functions(points, p, epsilon) @ v for p in queries])
+    return np.linalg.norm([plain - t, moving - t], axis=1) / np.sqrt(len(queries))
 
 
 @answers("02.8")
-def with_a_huge_epsilon_for_least_squares(points, places, n, epsilon):
-    v, t = np.sum(points, axis=1) ** n, np.sum(places, axis=1) ** n
-    fields = [[shape_functions(points, p, e) @ v for p in places] for e in (1e7, epsilon)]
+def with_a_huge_epsilon_for_least_squares(points, queries, n, epsilon):
+    v, t = np.sum(points, axis=1) ** n, np.sum(queries, axis=1) ** n
+    fields = [[shape_functions(points, p, e) @ v for p in queries] for e in (1e7, epsilon)]
     return [np.sqrt(np.mean((f - t) ** 2)) for f in np.array(fields)]
 
 
 @answers("02.8")
-def place_by_place(points, places, n, epsilon):
+def place_by_place(points, queries, n, epsilon):
     v = np.array([(p[0] + p[1]) ** n for p in points])
     ls = mls = 0.0
-    for q in places:
+    for q in queries:
         t = (q[0] + q[1]) ** n
         ls += (shape_functions(points, q, 1e6) @ v - t) ** 2
         mls += (shape_functions(points, q, epsilon) @ v - t) ** 2
-    return [(ls / len(places)) ** 0.5, (mls / len(places)) ** 0.5]
+    return [(ls / len(queries)) ** 0.5, (mls / len(queries)) ** 0.5]
 
 
 @answers("02.8")
-def as_a_pair(points, places, n, epsilon):
+def as_a_pair(points, queries, n, epsilon):
     def fitted(q, w):
         b = np.insert(points - q, 0, 1, axis=1)
         return np.linalg.lstsq(w[:, None] * b, w * points.sum(axis=1) ** n, rcond=None)[0][0]
@@ -257,7 +257,7 @@ def as_a_pair(points, places, n, epsilon):
     def error(weight):
         missed = [
             fitted(q, weight(np.sum((points - q) ** 2, axis=1))) - (q[0] + q[1]) ** n
-            for q in places
+            for q in queries
         ]
         return np.std(missed) if np.mean(missed) == 0 else np.sqrt(np.mean(np.square(missed)))
 

@@ -25,33 +25,33 @@ def rising(nodes, y):
 
 
 @answers("12.1")
-def one_place_after_the_other(nodes, places):
-    rows = [np.linalg.solve(matrix(nodes), rising(nodes, y))[: len(nodes)] for y in places]
+def one_point_after_the_other(nodes, points):
+    rows = [np.linalg.solve(matrix(nodes), rising(nodes, y))[: len(nodes)] for y in points]
     return np.array(rows)
 
 
 @answers("12.1")
-def by_unit_displacements(nodes, places):
+def by_unit_displacements(nodes, points):
     n = len(nodes)
     coefficients = np.linalg.solve(matrix(nodes), np.eye(len(matrix(nodes)))[:, :n])
-    return np.array([rising(nodes, y) for y in places]) @ coefficients
+    return np.array([rising(nodes, y) for y in points]) @ coefficients
 
 
 @answers("12.1")
-def by_the_inverse(nodes, places):
+def by_the_inverse(nodes, points):
     inverse = np.linalg.inv(matrix(nodes))
-    return (np.array([rising(nodes, y) for y in places]) @ inverse)[:, : len(nodes)]
+    return (np.array([rising(nodes, y) for y in points]) @ inverse)[:, : len(nodes)]
 
 
 @answers("12.1")
-def in_the_space_of_the_side_conditions(nodes, places):
+def in_the_space_of_the_side_conditions(nodes, points):
     n = len(nodes)
     a = matrix(nodes)
     phi, p = a[:n, :n], a[:n, n:]
     q, r = np.linalg.qr(p, mode="complete")
     first, z = q[:, : p.shape[1]], q[:, p.shape[1] :]
     h = []
-    for y in places:
+    for y in points:
         b = rising(nodes, y)
         base = first @ np.linalg.solve(r[: p.shape[1]].T, b[n:])
         h.append(base + z @ np.linalg.solve(z.T @ phi @ z, z.T @ (b[:n] - phi @ base)))
@@ -143,19 +143,19 @@ def as_weighted_means(H, p, m):
 
 
 @answers("12.7")
-def by_the_coefficients(nodes, places):
+def by_the_coefficients(nodes, points):
     n, d = nodes.shape
     c = np.linalg.inv(matrix(nodes))[:, :n]
-    away = places[:, None, :] - nodes[None, :, :]
+    away = points[:, None, :] - nodes[None, :, :]
     kernels = 3 * np.sqrt((away**2).sum(axis=2))[:, :, None] * away
     return np.stack([kernels[:, :, k] @ c[:n] + c[n + 1 + k] for k in range(d)])
 
 
 @answers("12.7")
-def all_right_sides_at_once(nodes, places):
+def all_right_sides_at_once(nodes, points):
     n, d = nodes.shape
-    m = len(places)
-    away = places.T[:, :, None] - nodes.T[:, None, :]
+    m = len(points)
+    away = points.T[:, :, None] - nodes.T[:, None, :]
     b = np.zeros((d, m, n + d + 1))
     b[:, :, :n] = 3 * np.linalg.norm(away, axis=0) * away
     b[np.arange(d), :, n + 1 + np.arange(d)] = 1
@@ -163,10 +163,10 @@ def all_right_sides_at_once(nodes, places):
 
 
 @answers("12.7")
-def place_by_place(nodes, places):
+def point_by_point(nodes, points):
     n, d = nodes.shape
-    g = np.zeros((d, len(places), n))
-    for i, y in enumerate(places):
+    g = np.zeros((d, len(points), n))
+    for i, y in enumerate(points):
         for k in range(d):
             b = np.zeros(n + d + 1)
             for j, x in enumerate(nodes):
@@ -179,43 +179,43 @@ def place_by_place(nodes, places):
 # 12.8
 
 
-def in_the_plane(nodes, places):
+def in_the_plane(nodes, points):
     """H and its two slopes."""
-    p = places[:, :2]
-    return one_place_after_the_other(nodes, p), by_the_coefficients(nodes, p)
+    p = points[:, :2]
+    return one_point_after_the_other(nodes, p), by_the_coefficients(nodes, p)
 
 
 @answers("12.8")
-def by_the_matrix_of_displacements(nodes, places, f):
-    h, g = in_the_plane(nodes, places)
-    whole = np.zeros((len(places), 3, len(nodes), 3))
+def by_the_matrix_of_displacements(nodes, points, f):
+    h, g = in_the_plane(nodes, points)
+    whole = np.zeros((len(points), 3, len(nodes), 3))
     for k in range(3):
         whole[:, k, :, k] = h
-    whole[:, 0, :, 2] -= places[:, [2]] * g[0]
-    whole[:, 1, :, 2] -= places[:, [2]] * g[1]
+    whole[:, 0, :, 2] -= points[:, [2]] * g[0]
+    whole[:, 1, :, 2] -= points[:, [2]] * g[1]
     return np.tensordot(f, whole, axes=([0, 1], [0, 1]))
 
 
 @answers("12.8")
-def force_after_force(nodes, places, f):
-    h, g = in_the_plane(nodes, places)
+def force_after_force(nodes, points, f):
+    h, g = in_the_plane(nodes, points)
     loads = np.zeros((len(nodes), 3))
     for i, force in enumerate(f):
         loads += np.outer(h[i], force)
-        loads[:, 2] -= places[i, 2] * (force[0] * g[0, i] + force[1] * g[1, i])
+        loads[:, 2] -= points[i, 2] * (force[0] * g[0, i] + force[1] * g[1, i])
     return loads
 
 
 @answers("12.8")
-def as_work_in_unit_displacements(nodes, places, f):
-    h, g = in_the_plane(nodes, places)
+def as_work_in_unit_displacements(nodes, points, f):
+    h, g = in_the_plane(nodes, points)
     loads = np.zeros((len(nodes), 3))
     for j in range(len(nodes)):
         for k in range(3):
-            v = np.zeros(places.shape)
+            v = np.zeros(points.shape)
             v[:, k] = h[:, j]
             if k == 2:
-                v[:, :2] = -places[:, [2]] * g[:, :, j].T
+                v[:, :2] = -points[:, [2]] * g[:, :, j].T
             loads[j, k] = np.sum(v * f)
     return loads
 

@@ -45,7 +45,7 @@ def unusual_places(seed):
         Call(
             "field",
             (line, random.normal(size=10), random.random((1, 1)), 0.2),
-            "one place on a line",
+            "one evaluation point on a line",
         ),
         Call("field", (plane, random.normal(size=20), plane[3:5].copy(), 0.1), "measured points"),
         Call("field", (plane, random.normal(size=20), 3 + random.random((4, 2)), 0.3), "outside"),
@@ -70,7 +70,7 @@ def objective_on_the_line(seed):
 def gradient_on_the_line(seed):
     random = np.random.default_rng(seed + 5)
     given = (random.random((10, 1)), random.normal(size=10), random.random((1, 1)), 0.2)
-    return (Call("gradient", given, "one place on a line"),)
+    return (Call("gradient", given, "one evaluation point on a line"),)
 
 
 @hidden(
@@ -78,8 +78,8 @@ def gradient_on_the_line(seed):
 )
 def first_and_eighth_power(seed):
     random = np.random.default_rng(seed + 6)
-    points, places = random.random((60, 2)), random.random((12, 2))
-    return tuple(Call("errors", (points, places, n, 0.15), f"n = {n}") for n in (1, 8))
+    points, queries = random.random((60, 2)), random.random((12, 2))
+    return tuple(Call("errors", (points, queries, n, 0.15), f"n = {n}") for n in (1, 8))
 
 
 @hidden(

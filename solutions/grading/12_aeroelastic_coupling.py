@@ -125,19 +125,19 @@ def at_nodes(seed):
 def on_both_sides(seed):
     random = np.random.default_rng(seed + 6)
     nodes = grid(random, 4, 2)
-    places = np.column_stack(
+    points = np.column_stack(
         [random.uniform(0, 1, (6, 2)), random.uniform(0.1, 1, 6) * [1, -1, 1, -1, 1, -1]]
     )
     return (
-        Call("flat_loads", (nodes, places, random.normal(size=(6, 3))), "forces on both sides"),
+        Call("flat_loads", (nodes, points, random.normal(size=(6, 3))), "forces on both sides"),
         Call(
             "flat_loads",
-            (nodes, places[:1], np.array([[0, 0, 1]])),
+            (nodes, points[:1], np.array([[0, 0, 1]])),
             "one force across the plate",
         ),
         Call(
             "flat_loads",
-            (nodes, places[[0, 0, 1]] * [1, 1, 0.5], random.integers(-9, 10, (3, 3))),
+            (nodes, points[[0, 0, 1]] * [1, 1, 0.5], random.integers(-9, 10, (3, 3))),
             "two forces at one point and one below the plate, in whole numbers",
         ),
     )

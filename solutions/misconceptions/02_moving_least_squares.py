@@ -537,11 +537,11 @@ def slope_at_the_points_of_the_data(points, values, x, epsilon):
 # 02.8 errors
 
 
-def misses(points, places, n, epsilon):
+def misses(points, queries, n, epsilon):
     values = points.sum(axis=1) ** n
-    plain = value_at(solved(points, values, np.ones(len(points))), places)
-    moving = np.array([value_at(local(points, values, p, epsilon), p) for p in places])
-    return np.array([plain, moving]) - places.sum(axis=1) ** n
+    plain = value_at(solved(points, values, np.ones(len(points))), queries)
+    moving = np.array([value_at(local(points, values, p, epsilon), p) for p in queries])
+    return np.array([plain, moving]) - queries.sum(axis=1) ** n
 
 
 def root_mean_square(missed):
@@ -549,54 +549,54 @@ def root_mean_square(missed):
 
 
 @answers("02.8")
-def root_forgotten(points, places, n, epsilon):
+def root_forgotten(points, queries, n, epsilon):
     """These are mean squares: the square root of (2.9) is missing. Without it the error does not
     have the unit of the values.
     """
-    return np.mean(misses(points, places, n, epsilon) ** 2, axis=1)
+    return np.mean(misses(points, queries, n, epsilon) ** 2, axis=1)
 
 
 @answers("02.8")
-def not_divided_by_the_number(points, places, n, epsilon):
+def not_divided_by_the_number(points, queries, n, epsilon):
     """The squares are added, but not averaged, so the error grows with the number of evaluation
     points. Which factor precedes the sum in (2.9)?
     """
-    return np.linalg.norm(misses(points, places, n, epsilon), axis=1)
+    return np.linalg.norm(misses(points, queries, n, epsilon), axis=1)
 
 
 @answers("02.8")
-def mean_of_absolute_values(points, places, n, epsilon):
+def mean_of_absolute_values(points, queries, n, epsilon):
     """This is the mean absolute error. (2.9) is the root-mean-square error: it squares first, and
     takes the square root of the mean.
     """
-    return np.abs(misses(points, places, n, epsilon)).mean(axis=1)
+    return np.abs(misses(points, queries, n, epsilon)).mean(axis=1)
 
 
 @answers("02.8")
-def mean_without_squares(points, places, n, epsilon):
+def mean_without_squares(points, queries, n, epsilon):
     """Errors of opposite signs cancel here. In (2.9) each error is squared before the mean is
     taken.
     """
-    return np.abs(misses(points, places, n, epsilon).mean(axis=1))
+    return np.abs(misses(points, queries, n, epsilon).mean(axis=1))
 
 
 @answers("02.8")
-def spread_about_the_mean(points, places, n, epsilon):
+def spread_about_the_mean(points, queries, n, epsilon):
     """This is the standard deviation of the errors, their deviation from their own mean. A field
     that is too large everywhere by the same amount would have no error. (2.9) measures the
     deviation from zero.
     """
-    return misses(points, places, n, epsilon).std(axis=1)
+    return misses(points, queries, n, epsilon).std(axis=1)
 
 
 @answers("02.8")
-def moving_least_squares_first(points, places, n, epsilon):
+def moving_least_squares_first(points, queries, n, epsilon):
     """The two numbers are right, but exchanged: plain least squares comes first."""
-    return root_mean_square(misses(points, places, n, epsilon))[::-1]
+    return root_mean_square(misses(points, queries, n, epsilon))[::-1]
 
 
 @answers("02.8")
-def at_the_measured_points(points, places, n, epsilon):
+def at_the_measured_points(points, queries, n, epsilon):
     """The errors are taken at the measured points, whose values the fit has used. (2.9) takes them
     at the other points.
     """
@@ -604,22 +604,22 @@ def at_the_measured_points(points, places, n, epsilon):
 
 
 @answers("02.8")
-def powers_added(points, places, n, epsilon):
+def powers_added(points, queries, n, epsilon):
     """The coordinates are raised to the power n and then added. The field is the power of the
     sum.
     """
     values = (points**n).sum(axis=1)
-    plain = value_at(solved(points, values, np.ones(len(points))), places)
-    moving = np.array([value_at(local(points, values, p, epsilon), p) for p in places])
-    return root_mean_square(np.array([plain, moving]) - (places**n).sum(axis=1))
+    plain = value_at(solved(points, values, np.ones(len(points))), queries)
+    moving = np.array([value_at(local(points, values, p, epsilon), p) for p in queries])
+    return root_mean_square(np.array([plain, moving]) - (queries**n).sum(axis=1))
 
 
 @answers("02.8")
-def same_weights_twice(points, places, n, epsilon):
+def same_weights_twice(points, queries, n, epsilon):
     """Both numbers are the error of plain least squares: the second fit has equal weights too. Does
     your code use ε?
     """
-    return np.full(2, root_mean_square(misses(points, places, n, epsilon))[0])
+    return np.full(2, root_mean_square(misses(points, queries, n, epsilon))[0])
 
 
 # 02.9 leave_one_out

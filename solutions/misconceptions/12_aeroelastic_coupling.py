@@ -27,19 +27,19 @@ def cubed(r):
     return r**3
 
 
-def right_side(nodes, places, phi=cubed):
-    return np.column_stack([phi(apart(places, nodes)), np.ones(len(places)), places])
+def right_side(nodes, points, phi=cubed):
+    return np.column_stack([phi(apart(points, nodes)), np.ones(len(points)), points])
 
 
-def right_weights(nodes, places):
-    return solved(cubed, nodes, right_side(nodes, places))
+def right_weights(nodes, points):
+    return solved(cubed, nodes, right_side(nodes, points))
 
 
-def right_slopes(nodes, places, factor=3.0, sign=1.0, unit=1.0):
+def right_slopes(nodes, points, factor=3.0, sign=1.0, unit=1.0):
     found = []
     for k in range(nodes.shape[1]):
-        b = np.zeros((len(places), len(nodes) + nodes.shape[1] + 1))
-        b[:, : len(nodes)] = factor * sign * apart(places, nodes) * (places[:, [k]] - nodes[:, k])
+        b = np.zeros((len(points), len(nodes) + nodes.shape[1] + 1))
+        b[:, : len(nodes)] = factor * sign * apart(points, nodes) * (points[:, [k]] - nodes[:, k])
         b[:, len(nodes) + 1 + k] = unit
         found.append(solved(cubed, nodes, b))
     return np.stack(found)
@@ -49,74 +49,74 @@ def right_slopes(nodes, places, factor=3.0, sign=1.0, unit=1.0):
 
 
 @answers("12.1")
-def without_the_polynomial(nodes, places):
+def without_the_polynomial(nodes, points):
     """The polynomial is missing, with its rows, columns and side conditions. Then the rows of H do
     not sum to 1, and a wing that moves as a whole would change its shape.
     """
-    return solved(cubed, nodes, right_side(nodes, places), polynomial=False)
+    return solved(cubed, nodes, right_side(nodes, points), polynomial=False)
 
 
 @answers("12.1")
-def constants_only(nodes, places):
+def constants_only(nodes, points):
     """Only the constant of the polynomial is present. Translations are reproduced, but rotations
     are not: in (12.2), the coordinates follow the 1.
     """
     n = len(nodes)
     one = np.ones((n, 1))
     matrix = np.block([[apart(nodes, nodes) ** 3, one], [one.T, np.zeros((1, 1))]])
-    b = np.column_stack([apart(places, nodes) ** 3, np.ones(len(places))])
+    b = np.column_stack([apart(points, nodes) ** 3, np.ones(len(points))])
     return np.linalg.solve(matrix, b.T).T[:, :n]
 
 
 @answers("12.1")
-def another_kernel(nodes, places):
+def another_kernel(nodes, points):
     """The kernel is the distance itself, on both sides. Its field has a kink at each node. (12.1)
     uses the cube of the distance.
     """
-    return solved(lambda r: r, nodes, right_side(nodes, places, lambda r: r))
+    return solved(lambda r: r, nodes, right_side(nodes, points, lambda r: r))
 
 
 @answers("12.1")
-def two_kernels(nodes, places):
+def two_kernels(nodes, points):
     """The matrix has cubes of distances, but b(y) has another power. Both sides of (12.2) must have
     the same kernel.
     """
-    return solved(cubed, nodes, right_side(nodes, places, lambda r: r**2))
+    return solved(cubed, nodes, right_side(nodes, points, lambda r: r**2))
 
 
 @answers("12.1")
-def coefficients_of_the_polynomial(nodes, places):
+def coefficients_of_the_polynomial(nodes, points):
     """The last N entries of the solution were returned. The weights of the displacements are the
     first N entries.
     """
     n, d = nodes.shape
     p = np.column_stack([np.ones(n), nodes])
     matrix = np.block([[apart(nodes, nodes) ** 3, p], [p.T, np.zeros((d + 1, d + 1))]])
-    return np.linalg.solve(matrix, right_side(nodes, places).T).T[:, -n:]
+    return np.linalg.solve(matrix, right_side(nodes, points).T).T[:, -n:]
 
 
 @answers("12.1")
-def not_solved(nodes, places):
+def not_solved(nodes, points):
     """These are the cubed distances, entries of the right-hand side of (12.2). The system must be
     solved for each point.
     """
-    return apart(places, nodes) ** 3
+    return apart(points, nodes) ** 3
 
 
 @answers("12.1")
-def nodes_and_places_exchanged(nodes, places):
+def nodes_and_points_exchanged(nodes, points):
     """These weights belong to the reverse transfer: an interpolation of values at the points,
     evaluated at the nodes. In (12.1) the displacements are given at the *nodes*.
     """
-    return solved(cubed, places, right_side(places, nodes)).T
+    return solved(cubed, points, right_side(points, nodes)).T
 
 
 @answers("12.1")
-def each_alone_by_distance(nodes, places):
+def each_alone_by_distance(nodes, points):
     """Each node has the inverse cube of its distance as its weight, and no system is solved. Then
     linear fields are not reproduced, so a tilted wing does not remain straight.
     """
-    w = np.maximum(apart(places, nodes), 1e-30) ** -3
+    w = np.maximum(apart(points, nodes), 1e-30) ** -3
     return w / w.sum(axis=1)[:, None]
 
 
@@ -307,72 +307,72 @@ def rows_made_to_sum_to_one(H, p, m):
 
 
 @answers("12.7")
-def unit_vector_forgotten(nodes, places):
+def unit_vector_forgotten(nodes, points):
     """The derivative of the polynomial is missing. The last D entries of b(y) are the coordinates;
     the derivative of coordinate k along axis k is 1.
     """
-    return right_slopes(nodes, places, unit=0.0)
+    return right_slopes(nodes, points, unit=0.0)
 
 
 @answers("12.7")
-def three_forgotten(nodes, places):
+def three_forgotten(nodes, points):
     """The factor 3 is missing: what is the derivative of a cube?"""
-    return right_slopes(nodes, places, factor=1.0)
+    return right_slopes(nodes, points, factor=1.0)
 
 
 @answers("12.7")
-def towards_the_node(nodes, places):
+def towards_the_node(nodes, points):
     """The part of the kernel has the wrong sign: the differences point from the point to the nodes.
     (12.7) differentiates with respect to the point.
     """
-    return right_slopes(nodes, places, sign=-1.0)
+    return right_slopes(nodes, points, sign=-1.0)
 
 
 @answers("12.7")
-def squares_without_direction(nodes, places):
+def squares_without_direction(nodes, points):
     """The kernel was differentiated with respect to the distance only: 3 r² along every axis. The
     chain rule requires the derivative of the distance along the axis as a factor.
     """
     found = []
     for k in range(nodes.shape[1]):
-        b = np.zeros((len(places), len(nodes) + nodes.shape[1] + 1))
-        b[:, : len(nodes)] = 3 * apart(places, nodes) ** 2
+        b = np.zeros((len(points), len(nodes) + nodes.shape[1] + 1))
+        b[:, : len(nodes)] = 3 * apart(points, nodes) ** 2
         b[:, len(nodes) + 1 + k] = 1
         found.append(solved(cubed, nodes, b))
     return np.stack(found)
 
 
 @answers("12.7")
-def unit_vector_at_the_constant(nodes, places):
+def unit_vector_at_the_constant(nodes, points):
     """The 1 of the unit vector is one entry too early, at the position of the constant. The order
     in b(y) is: N distances, the 1, the coordinates.
     """
     found = []
     for k in range(nodes.shape[1]):
-        b = np.zeros((len(places), len(nodes) + nodes.shape[1] + 1))
-        b[:, : len(nodes)] = 3 * apart(places, nodes) * (places[:, [k]] - nodes[:, k])
+        b = np.zeros((len(points), len(nodes) + nodes.shape[1] + 1))
+        b[:, : len(nodes)] = 3 * apart(points, nodes) * (points[:, [k]] - nodes[:, k])
         b[:, len(nodes) + k] = 1
         found.append(solved(cubed, nodes, b))
     return np.stack(found)
 
 
 @answers("12.7")
-def by_coarse_differences(nodes, places):
+def by_coarse_differences(nodes, points):
     """These are difference quotients with a rather large step, right to a few digits only. (12.2)
     can be differentiated exactly, entry by entry.
     """
     step = 1e-3
     ways = step * np.eye(nodes.shape[1])
     return np.stack(
-        [(right_weights(nodes, places + e) - right_weights(nodes, places)) / step for e in ways]
+        [(right_weights(nodes, points + e) - right_weights(nodes, points)) / step for e in ways]
     )
 
 
 # 12.8
 
 
-def plate(nodes, places, f, first=0, second=1, sign=-1.0, heights=None):
-    p, height = places[:, :2], places[:, 2] if heights is None else heights
+def plate(nodes, points, f, first=0, second=1, sign=-1.0, heights=None):
+    p, height = points[:, :2], points[:, 2] if heights is None else heights
     g = right_weights(nodes, p).T @ f
     gx, gy = right_slopes(nodes, p)
     g[:, 2] += sign * (gx.T @ (height * f[:, first]) + gy.T @ (height * f[:, second]))
@@ -380,51 +380,51 @@ def plate(nodes, places, f, first=0, second=1, sign=-1.0, heights=None):
 
 
 @answers("12.8")
-def heights_ignored(nodes, places, f):
+def heights_ignored(nodes, points, f):
     """The forces were moved down to the plate without their moments. A force along the plate, at a
     height, has a moment; the second term of (12.7) accounts for it.
     """
-    return right_weights(nodes, places[:, :2]).T @ f
+    return right_weights(nodes, points[:, :2]).T @ f
 
 
 @answers("12.8")
-def couple_turned_round(nodes, places, f):
+def couple_turned_round(nodes, points, f):
     """The moments of the forces along the plate have the wrong sign. Check the minus in (12.7), and
     the sign of your `slopes`.
     """
-    return plate(nodes, places, f, sign=1.0)
+    return plate(nodes, points, f, sign=1.0)
 
 
 @answers("12.8")
-def axes_exchanged(nodes, places, f):
+def axes_exchanged(nodes, points, f):
     """The slope along one axis was multiplied by the force along the other. Check the components in
     (12.7), and the order of the axes in your `slopes`.
     """
-    return plate(nodes, places, f, first=1, second=0)
+    return plate(nodes, points, f, first=1, second=0)
 
 
 @answers("12.8")
-def normal_force_for_the_couple(nodes, places, f):
+def normal_force_for_the_couple(nodes, points, f):
     """The slopes were multiplied by the forces *normal* to the plate. These act along the arm and
     have no moment about its foot. The forces along the plate do.
     """
-    return plate(nodes, places, f, first=2, second=2)
+    return plate(nodes, points, f, first=2, second=2)
 
 
 @answers("12.8")
-def heights_without_sign(nodes, places, f):
+def heights_without_sign(nodes, points, f):
     """The heights enter by their absolute value. Below the plate a force has the
     opposite moment.
     """
-    return plate(nodes, places, f, heights=np.abs(places[:, 2]))
+    return plate(nodes, points, f, heights=np.abs(points[:, 2]))
 
 
 @answers("12.8")
-def couple_into_the_plane(nodes, places, f):
+def couple_into_the_plane(nodes, points, f):
     """The terms with slopes were added to the components *in* the plate. In (12.7) the slopes are
     multiplied by the third component of u, so they belong to the third component of g.
     """
-    p, height = places[:, :2], places[:, 2]
+    p, height = points[:, :2], points[:, 2]
     g = right_weights(nodes, p).T @ f
     gx, gy = right_slopes(nodes, p)
     g[:, 0] -= gx.T @ (height * f[:, 0])

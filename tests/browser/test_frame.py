@@ -6,6 +6,31 @@ from fieldreport import widgets
 from living_page import LivingPage, write_page
 
 PHONE = {"width": 390, "height": 844}
+READABLE = 4.5
+"""The least contrast of text with its ground, by the Web Content Accessibility Guidelines."""
+CONTRASTS = """() => {
+    const linear = c => c <= 0.03928 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4
+    const channels = colour => colour.match(/[\\d.]+/g).map(Number)
+    const luminance = colour => {
+        const [r, g, b] = channels(colour).map(c => linear(c / 255))
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b
+    }
+    const ground = element => {
+        const own = element && getComputedStyle(element).backgroundColor
+        if (!element) return "rgb(255, 255, 255)"
+        return channels(own)[3] === 0 ? ground(element.parentElement) : own
+    }
+    const contrast = element => {
+        const style = getComputedStyle(element)
+        const ink = element instanceof SVGElement ? style.fill : style.color
+        const [dark, light] = [luminance(ink), luminance(ground(element))].sort((a, b) => a - b)
+        return (light + 0.05) / (dark + 0.05)
+    }
+    return [...document.querySelectorAll(".living *")]
+        .filter(e => [...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim()))
+        .filter(e => e.getClientRects().length && !e.matches("style, script, option, title"))
+        .map(e => [contrast(e), e.textContent.trim()])
+}"""
 
 
 @pytest.fixture(scope="module", params=widgets.names())
@@ -50,6 +75,14 @@ def test_every_control_has_a_name_for_a_screen_reader(open_page):
         .filter(c => c.getClientRects().length)
         .filter(c => !(c.closest("label") || c).textContent.trim() && !c.ariaLabel).length"""
     assert living.page.evaluate(unnamed) == 0
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_all_text_can_be_read(open_page, scheme):
+    """The ground is that of the colour scheme."""
+    found = open_page(color_scheme=scheme).page.evaluate(CONTRASTS)
+    assert len(found) > 5
+    assert [(c, text) for c, text in found if c < READABLE] == []
 
 
 def test_a_handle_follows_the_pointer(open_page):

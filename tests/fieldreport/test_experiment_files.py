@@ -187,11 +187,22 @@ def test_a_failed_write_keeps_the_old_file(tmp_path, monkeypatch):
 
 
 def test_a_removed_table_is_deleted_from_the_folder(tmp_path):
-    """The folder contains the tables of its last run only."""
+    """The tables are those of the last run; a table of somebody else stays and is not read."""
     table = ResultTable(("n",), ((1,),))
+    (tmp_path / "mine.csv").write_text("mine")
     files.write_result(result(tables={"old": table, "kept": table}), tmp_path)
+    written = files.write_result(result(tables={"kept": table}), tmp_path)
+    assert {path.name for path in tmp_path.glob("*.csv")} == {"kept.csv", "mine.csv"}
+    assert files.result_files(tmp_path) == sorted(written)
+    assert (tmp_path / "mine.csv").read_text() == "mine"
+
+
+@pytest.mark.parametrize("text", ["", "[", "7"])
+def test_a_damaged_list_of_tables_is_written_anew(tmp_path, text):
+    table = ResultTable(("n",), ((1,),))
+    (tmp_path / files.TABLES).write_text(text)
     files.write_result(result(tables={"kept": table}), tmp_path)
-    assert [path.name for path in tmp_path.glob("*.csv")] == ["kept.csv"]
+    assert [path.name for path in files.table_files(tmp_path)] == ["kept.csv"]
 
 
 def test_facts_are_written_as_one_json_object(tmp_path):

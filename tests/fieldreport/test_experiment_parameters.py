@@ -195,7 +195,7 @@ def test_any_parameters_give_a_finite_result_or_an_error_message(name):
     experiment = experiments.get(name)
     turns = iter(range(10**6))
 
-    @settings(max_examples=3 if name in HEAVY else 7)
+    @settings(max_examples=2 if name in HEAVY else 5)
     @given(changes=changed(name, experiment.quick))
     def holds(changes):
         try:

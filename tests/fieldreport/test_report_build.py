@@ -161,6 +161,7 @@ class TestOutdatedSteps:
             "mine/deep/er.txt",
             "fake_b/mine.svg",
             "fake_b/a.txt",
+            "fake_a/mine.csv",
         )
         others = [results / name for name in names] + [built.out / "widgets" / "mine.json"]
         for path in others:
@@ -171,6 +172,15 @@ class TestOutdatedSteps:
         assert [path.read_text() for path in others] == ["mine"] * len(others)
         left = [path.name for path in (results / "fake_b").iterdir()]
         assert sorted(left) == ["a.txt", "mine.svg"]
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("text", ["", "[]", "{}"])
+    def test_a_damaged_record_of_a_removed_experiment_stops_nothing(self, built, text):
+        """Its files stay, since nothing says that the build made them."""
+        (built.out / ".state" / "run-fake_b.json").write_text(text)
+        (built.code / "fake_b.py").unlink()
+        assert built.build() == 0
+        assert (built.out / "experiments" / "fake_b" / "facts.json").exists()
 
     @pytest.mark.slow
     def test_a_typing_error_is_told_before_anything_runs(self, report, capfd):

@@ -28,19 +28,19 @@ from fieldcheck.variants import one_changed
 def errors_inputs(seed: int) -> tuple[Call, ...]:
     """Return 100 sites and ten evaluation points, all at twice the distance, other powers and ε."""
     random = np.random.default_rng(seed)
-    points, places = random.random((100, 2)), random.random((10, 2))
+    points, queries = random.random((100, 2)), random.random((10, 2))
     calls = calls_of(
         "errors",
-        ((points, places, 2, 0.1), "a hundred points, ten evaluation points and n = 2"),
-        ((2 * points, 2 * places, 2, 0.2), "all points twice as far apart"),
-        ((points, places, 3, 0.05), "n = 3"),
+        ((points, queries, 2, 0.1), "a hundred points, ten evaluation points and n = 2"),
+        ((2 * points, 2 * queries, 2, 0.2), "all points twice as far apart"),
+        ((points, queries, 3, 0.05), "n = 3"),
         (
             (twice(points[:30] - 0.4, 3), random.random((25, 2)) - 0.4, 5, 0.3),
             "thirty points, three of them twice, twenty-five evaluation points and n = 5",
         ),
-        ((points[:15], places[:1], 3, 0.2), "fifteen points, one evaluation point and n = 3"),
-        ((integers(points[:30], 6), 6 * places, 2, 1.2), "thirty points, integers, and n = 2"),
-        ((6 * points[30:50], integers(places, 6), 3, 1.8), "evaluation points that are integers"),
+        ((points[:15], queries[:1], 3, 0.2), "fifteen points, one evaluation point and n = 3"),
+        ((integers(points[:30], 6), 6 * queries, 2, 1.2), "thirty points, integers, and n = 2"),
+        ((6 * points[30:50], integers(queries, 6), 3, 1.8), "evaluation points that are integers"),
     )
     return calls + tuple(
         other

@@ -59,8 +59,8 @@ def slopes_inputs(seed: int) -> tuple[Call, ...]:
     calls = meshes("slopes", seed)
     line = calls[3].arguments[0]
     middle, half = (line[1] + line[2]) / 2, (line[2] - line[1]) / 2
-    places = middle + half * np.array([[-1.0], [1.0]]) / np.sqrt(3)
-    return (*calls, Call("slopes", (line, places), "two points between two nodes of the line"))
+    points = middle + half * np.array([[-1.0], [1.0]]) / np.sqrt(3)
+    return (*calls, Call("slopes", (line, points), "two points between two nodes of the line"))
 
 
 @law(
@@ -374,25 +374,25 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
     """
     random = np.random.default_rng(seed)
     nodes = grid(random, 3, 3)
-    places = np.column_stack([random.uniform(-0.1, 1.1, (5, 2)), random.uniform(0.2, 0.8, 5)])
+    points = np.column_stack([random.uniform(-0.1, 1.1, (5, 2)), random.uniform(0.2, 0.8, 5)])
     forces = random.normal(size=(5, 3))
     name = "flat_loads"
     return calls_of(
         name,
-        ((nodes, places, forces), "five forces above a plate"),
+        ((nodes, points, forces), "five forces above a plate"),
         (
-            (nodes, places * [1, 1, 0], random.integers(-9, 10, (5, 3))),
+            (nodes, points * [1, 1, 0], random.integers(-9, 10, (5, 3))),
             "forces in the plane of the plate, in whole numbers",
         ),
         (
-            (nodes, places[:1] * [1, 1, -2], np.array([[1.0, 0.5, 0.0]])),
+            (nodes, points[:1] * [1, 1, -2], np.array([[1.0, 0.5, 0.0]])),
             "one force along the plate, below it",
         ),
         *(
             (
                 (
                     grid(random, *counts),
-                    places[some] * np.array(raised)[:, None] ** [0, 0, 1],
+                    points[some] * np.array(raised)[:, None] ** [0, 0, 1],
                     forces[some],
                 ),
                 case,
@@ -402,17 +402,17 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
                 ((2, 3), [4, 1, 3], [0, 1, 1], "one force in the plate, two above it"),
             )
         ),
-        ((nodes, places[[0, 1, 1, 2]], forces[:4]), "two forces at the same point"),
+        ((nodes, points[[0, 1, 1, 2]], forces[:4]), "two forces at the same point"),
         (
-            (nodes, places[[3, 3, 4]] * [[1, 1, 1], [1, 1, -2], [1, 1, 1]], forces[1:4]),
+            (nodes, points[[3, 3, 4]] * [[1, 1, 1], [1, 1, -2], [1, 1, 1]], forces[1:4]),
             "two forces at the same point of the plate, at different heights",
         ),
         (
-            (nodes, places[:3], forces[:3] * [1, 1, 0]),
+            (nodes, points[:3], forces[:3] * [1, 1, 0]),
             "three forces along the plate, above it",
         ),
         *(
-            ((integers(grid(random, *counts), 3), 3 * places[:n], forces[:n]), case)
+            ((integers(grid(random, *counts), 3), 3 * points[:n], forces[:n]), case)
             for counts, n, case in (
                 ((3, 3), 4, "nodes that are integers"),
                 ((2, 3), 2, "six nodes that are integers"),
@@ -425,7 +425,7 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
                 ((3, 2), 3, "three points that are integers"),
             )
         ),
-        ((nodes, places[:4], integers(forces[:4], 9)), "four forces that are integers"),
+        ((nodes, points[:4], integers(forces[:4], 9)), "four forces that are integers"),
     )
 
 
@@ -434,10 +434,10 @@ def does_the_work_of_rigid_motions(calls: Sequence[Call], values: Sequence[Value
     """Return the difference between the works of loads and forces in the six rigid motions."""
     worst = 0.0
     for call, (g,) in zip(calls, values, strict=True):
-        nodes, places, f = call.arguments
+        nodes, points, f = call.arguments
         x = np.pad(nodes, ((0, 0), (0, 1)))
         for axis in np.eye(3):
-            turned = np.vdot(np.cross(axis, places), f) - np.vdot(np.cross(axis, x), g)
+            turned = np.vdot(np.cross(axis, points), f) - np.vdot(np.cross(axis, x), g)
             worst = max(worst, relative([turned, axis @ (f.sum(axis=0) - g.sum(axis=0))], f))
     return worst
 

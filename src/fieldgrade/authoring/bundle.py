@@ -10,7 +10,7 @@ from fieldgrade.authoring.course_map import DIAGRAM, NOTEBOOKS, PAGE
 from fieldrecon._core.atomic_files import whole_file
 
 FOLDER = "field-reconstruction"
-REQUIREMENTS = "numpy>=2.1\nmatplotlib>=3.10\nipywidgets>=8.1\njupyterlab>=4.3\n"
+REQUIREMENTS = "numpy>=2.1\nmatplotlib>=3.11\nipywidgets>=8.1\njupyterlab>=4.3\n"
 STUDENT = "# Write your student number in the next line, as on the roster of the course.\n"
 FIXED = (1980, 1, 1, 0, 0, 0)
 

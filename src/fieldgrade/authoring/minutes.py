@@ -49,15 +49,15 @@ def _minutes(item: Item, cells: Sequence[Cell]) -> float:
     lines = sum(len(body.split("\n")) - 1 for cell in cells for body in cell.solutions)
     writing = PER_POINT_IN_WORDS * item.points + item.words / WRITTEN_WORDS_PER_MINUTE
     return (
-        _words(prose) / WORDS_PER_MINUTE
+        number_of_words(prose) / WORDS_PER_MINUTE
         + PER_FORMULA * len(DISPLAYED.findall(prose))
         + PER_PICTURE * pictures
         + (PER_CHECK + PER_LINE * lines if item.function else writing)
     )
 
 
-def _words(prose: str) -> int:
-    """Return the number of words; a formula in a sentence counts as one."""
+def number_of_words(prose: str) -> int:
+    """Return the number of words; a formula in a sentence is one, a displayed one is none."""
     return len(TAG.sub("", INLINE.sub("x", DISPLAYED.sub("", prose))).split())
 
 

@@ -238,9 +238,10 @@ def figure(
         page = StyledFigure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(page)
         yield page, page.subplots(rows, columns, **subplots)
-        # solved once: every later solution would start from this one and differ in the last bits
+        # solved once: every later solution would start from this one and differ in the last bits;
+        # "none" instead of None would keep a placeholder, for which each figure is drawn twice
         page.draw_without_rendering()
-        page.set_layout_engine("none")
+        page.set_layout_engine(None)
 
 
 def line(method: str, **changes: Any) -> dict[str, Any]:

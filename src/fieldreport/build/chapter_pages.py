@@ -28,6 +28,7 @@ from fieldreport.build.screen_figures import (
     with_pictures,
 )
 from fieldreport.build.typesetting import UPRIGHT_NABLA, Document
+from fieldreport.framework.result_files import table_files
 
 CONTENTS: Final = "contents.json"
 """The file with the chapters in their order, written last."""
@@ -263,7 +264,7 @@ class Pictures:
 
     def data_line(self) -> str:
         """Write the tables; return the line with the links to them and the command."""
-        tables = sorted(self.job.folder.glob("*.csv"))
+        tables = table_files(self.job.folder)
         for path in tables:
             self._write(path.name, path.read_bytes())
         links = [

@@ -30,7 +30,7 @@ from fieldreport.build.step_records import Steps, content_digest, digests
 from fieldreport.framework.experiment import Experiment, ExperimentError, Result
 from fieldreport.framework.names import no_such
 from fieldreport.framework.parameters import replace_parameters
-from fieldreport.framework.result_files import read_result, write_result
+from fieldreport.framework.result_files import TABLES, read_result, result_files, write_result
 
 RUN_NAMES = ("DIGITS", "Params", "run")
 FORMAT = "svg"
@@ -57,7 +57,8 @@ class ExperimentJob:
         params = asdict(self.params)
         for name, path in self.experiment.inputs(self.params).items():
             params[name] = content_digest(path)
-        return json_digest({"name": self.name, "params": params, "code": code, "pins": pins()})
+        files = {"name": self.name, "tables": TABLES}
+        return json_digest(files | {"params": params, "code": code, "pins": pins()})
 
     def figure_key(self, plot: Callable[[Result], Any]) -> str:
         """Return the digest of what a figure depends on: its code and the files of the run."""
@@ -71,7 +72,7 @@ class ExperimentJob:
 
     def result_files(self) -> list[Path]:
         """List the files of the run."""
-        return sorted(p for p in self.folder.iterdir() if p.suffix in {".json", ".csv", ".npz"})
+        return result_files(self.folder)
 
     def figure_file(self, figure: str) -> Path:
         """Return the path of a figure."""

@@ -49,7 +49,7 @@ class Steps:
                 and all(file_digest(p) == old for p, old in made.items())
                 and all(content_digest(Path(p)) == old for p, old in note["read"].items())
             )
-        except (OSError, ValueError, KeyError):
+        except (OSError, ValueError):
             return False
 
     def made(self, step: str) -> set[Path]:
@@ -79,14 +79,18 @@ class Steps:
         wanted = {f"{kind}-{step}" for step in steps}
         for note in (self.out / ".state").glob(f"{kind}-*.json"):
             if note.stem not in wanted:
-                for path in self.made(note.stem):
-                    path.unlink(missing_ok=True)
-                    with suppress(OSError):  # there are other files
-                        path.parent.rmdir()
+                with suppress(ValueError):  # a damaged record does not say what is whose
+                    for path in self.made(note.stem):
+                        path.unlink(missing_ok=True)
+                        with suppress(OSError):  # there are other files
+                            path.parent.rmdir()
                 note.unlink()
 
     def _read(self, step: str) -> Any:
-        return json.loads(self._note(step).read_text(encoding="utf-8"))
+        note = json.loads(self._note(step).read_text(encoding="utf-8"))
+        if not isinstance(note, dict) or {"key", "made", "read"} - note.keys():
+            raise ValueError(f"the record of {step} is damaged")
+        return note
 
     def _note(self, step: str) -> Path:
         return self.out / ".state" / f"{step}.json"

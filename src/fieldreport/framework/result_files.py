@@ -7,6 +7,7 @@ import io
 import json
 import zipfile
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -27,23 +28,38 @@ from fieldreport.framework.experiment import (
 from fieldreport.framework.orders_of_magnitude import OrderOfMagnitude, mark_orders
 from fieldreport.framework.parameters import replace_parameters
 
+TABLES = "tables.json"
 _ZIP_EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def write_result(result: Result, folder: Path) -> list[Path]:
     """Write parameters, facts, tables and arrays into a folder; return the files.
 
-    ``params.json``, ``facts.json`` (flat), ``TABLE.csv`` for each table and ``arrays.npz``.
-    A table of an earlier run that this result lacks is removed; otherwise it would be read again.
+    ``params.json``, ``facts.json`` (flat), ``arrays.npz``, ``TABLE.csv`` for each table, and
+    ``tables.json``, the list of their names. A table of an earlier run that this result lacks is
+    removed; no other file is, also if it is a table.
     """
     contents = {
         "params.json": _json(asdict(result.params)),
         "facts.json": _json(mark_orders(dict(result.facts))),
         "arrays.npz": npz_bytes(result.arrays),
+        TABLES: _json(sorted(result.tables)),
     } | {f"{name}.csv": csv_bytes(t.columns, t.rows) for name, t in result.tables.items()}
-    for stale in set(folder.glob("*.csv")) - {folder / name for name in contents}:
-        stale.unlink()
+    with suppress(OSError, TypeError, ValueError):  # no earlier run, or a damaged list
+        for name in {*_read_json(folder / TABLES)} - {*result.tables}:
+            (folder / f"{name}.csv").unlink(missing_ok=True)
     return [write_atomically(folder / name, content) for name, content in contents.items()]
+
+
+def table_files(folder: Path) -> list[Path]:
+    """List the files of the tables of a result, in the order of their names."""
+    return [folder / f"{name}.csv" for name in _read_json(folder / TABLES)]
+
+
+def result_files(folder: Path) -> list[Path]:
+    """List the files of a result; there may be others in the folder."""
+    own = ("params.json", "facts.json", "arrays.npz", TABLES)
+    return sorted([*(folder / name for name in own), *table_files(folder)])
 
 
 def read_result(folder: Path, experiment: Experiment) -> Result:
@@ -52,7 +68,7 @@ def read_result(folder: Path, experiment: Experiment) -> Result:
         arrays = dict(stored)
     return Result(
         params=replace_parameters(experiment.defaults, _read_json(folder / "params.json")),
-        tables={path.stem: _read_table(path) for path in sorted(folder.glob("*.csv"))},
+        tables={path.stem: _read_table(path) for path in table_files(folder)},
         facts={name: _fact(x) for name, x in _read_json(folder / "facts.json").items()},
         arrays=arrays,
     )

@@ -12,7 +12,7 @@ from checkout import ROOT
 from fieldcheck.notebook import Progress, optional_questions
 from fieldcheck.questions import questions
 from fieldgrade.authoring import build, notebooks
-from fieldgrade.authoring.minutes import STEP, suggested_minutes
+from fieldgrade.authoring.minutes import STEP, number_of_words, suggested_minutes
 from fieldgrade.authoring.orientation import effort
 from fieldgrade.authoring.outline import MOST_CORE_MINUTES, Outline, minutes, points
 from fieldgrade.authoring.sources import Source
@@ -54,6 +54,19 @@ def test_the_minutes_agree_with_the_length_of_text_and_solution(source):
         assert item.minutes >= suggested[item.question] / 2 - STEP
     total = sum(suggested.values())
     assert 2 / 3 * total <= minutes(outline.items) <= 4 / 3 * total
+
+
+BEYOND = "*Beyond the question.*"
+
+
+@each_source
+def test_a_model_answer_has_no_more_words_than_stated(source):
+    """The last paragraph may go beyond the question; it is not counted."""
+    stated = {item.question: item.words for item in Outline(source).items}
+    for cell in source.cells:
+        if cell.answer:
+            answer = cell.text.partition(BEYOND)[0]
+            assert number_of_words(answer) <= stated[cell.answer], cell.answer
 
 
 @pytest.mark.slow
