@@ -16,7 +16,7 @@
 # %% [markdown]
 # # Least squares
 #
-# A quantity was measured at a few scattered points. Which value does it have between them? The
+# A quantity was measured at a few scattered points, and its value between them is wanted. The
 # simplest method that uses all measurements is *linear regression*: an affine function whose
 # squared errors have the smallest sum. In this notebook you write the method, find out when its
 # solution is unique, and see which fields it cannot represent.
@@ -28,10 +28,11 @@
 # Algebra*, the chapter on orthogonality; Trefethen and Bau, *Numerical Linear Algebra*, lectures 11
 # and 18.
 #
-# Each question asks for a function. Write it, run its cell, and run the check below it. The check
-# reports whether the function is right and, if it is not, which mistake is likely. Then `case()`,
-# in a new cell, shows the inputs for which your function failed, your values, and the right values.
-# A function must not change its arguments. In all notebooks arrays may hold integers, as
+# Each question asks for a function or for an answer in words. Write the function, run its cell,
+# and run the check below it. The check reports whether the function is right and, if it is not,
+# which mistake is likely. Then `case()`, in a new cell, shows the inputs for which your function
+# failed, your values and, for the inputs that are the same for everybody, the right values. A
+# function must not change its arguments. In all notebooks arrays may hold integers, as
 # `np.array([1, 2])` does; `x.astype(float)` is an array of real numbers. Compute with NumPy's
 # default type, float64; float32 has too few digits.
 
@@ -414,10 +415,10 @@ def minimum():
 # %% [markdown]
 # ## In words
 #
-# **01.7** Is $\mathbf{B}\mathbf{c} = \mathbf{V}$ over-determined or under-determined? (a) State the
-# dimensions of $\mathbf{B}$, $\mathbf{c}$, $\mathbf{V}$ and $\mathbf{B}^T\mathbf{B}$. (b) Compare
-# the numbers of equations and unknowns: for which $N$ does each case occur? (c) Give an example for
-# which this comparison is not enough.
+# **01.7** (a) State the dimensions of $\mathbf{B}$, $\mathbf{c}$, $\mathbf{V}$ and
+# $\mathbf{B}^T\mathbf{B}$. (b) For which $N$ is $\mathbf{B}\mathbf{c} = \mathbf{V}$
+# over-determined or under-determined, by the numbers of equations and unknowns? (c) Give an
+# example for which these numbers are not enough.
 #
 # <details><summary>Hint</summary>
 #
@@ -443,9 +444,9 @@ def minimum():
 # example such as collinear points, where the rank is less than the number of columns.
 
 # %% [markdown]
-# **01.8** The notes call (1.4) the method of the *pseudo-inverse* (page 5). (a) For which
-# $\mathbf{B}$ is $(\mathbf{B}^T\mathbf{B})^{-1}\mathbf{B}^T$ the pseudo-inverse, and what does this
-# mean for the points? (b) What goes wrong for other $\mathbf{B}$?
+# **01.8** The slides call (1.4) the method of the *pseudo-inverse* (page 5). (a) For which
+# $\mathbf{B}$ is $(\mathbf{B}^T\mathbf{B})^{-1}\mathbf{B}^T$ the pseudo-inverse, and what does
+# this mean for the points? (b) What goes wrong for other $\mathbf{B}$?
 
 # %% [markdown] answer="01.8" points=2 minutes=10 words=50
 # (a) For $\mathbf{B}$ of full column rank $D+1$: no hyperplane contains all points.

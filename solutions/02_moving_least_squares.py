@@ -25,14 +25,16 @@
 # Part 1 is the core: the method and its gradient. Part 2 is a second sitting, on accuracy and on
 # the choice of $\varepsilon$.
 #
-# **Search for**: moving least squares, LOESS (the same method in statistics), diffuse derivative,
+# **Source**: Erleben, *Field Reconstruction: A Quick Survey of Methods* (the slides). **Search
+# for**: moving least squares, LOESS (the same method in statistics), diffuse derivative,
 # leave-one-out cross-validation. **Read**: Wendland, *Scattered Data Approximation*, chapter 4;
 # Hastie, Tibshirani and Friedman, *The Elements of Statistical Learning*, chapters 6 and 7.
 #
-# Each question asks for a function. Write it, run its cell, and run the check below it. The check
-# reports whether the function is right and, if it is not, which mistake is likely. After a check
-# that is not right, `case()` in a new cell shows the inputs for which your function failed, your
-# values, and the right ones.
+# Each question asks for a function or for an answer in words. Write the function, run its cell,
+# and run the check below it. The check reports whether the function is right and, if it is not,
+# which mistake is likely. After a check that is not right, `case()` in a new cell shows the
+# inputs for which your function failed, your values and, for the inputs that are the same for
+# everybody, the right values.
 
 # %% tags=["setup"]
 import numpy as np
@@ -856,7 +858,7 @@ def error_against_width(n, noise):
 # ### Minimising ψ over ε
 #
 # In practice $\phi$ is unknown, and so is this curve. We need a criterion that uses the
-# measurements alone. The notes suggest $\psi$ of (2.7), whose minimum defines the coefficients
+# measurements alone. The slides suggest $\psi$ of (2.7), whose minimum defines the coefficients
 # (page 40). The next picture shows the minimum of $\psi$ as a function of $\varepsilon$, at three
 # of your evaluation points.
 
@@ -1042,7 +1044,8 @@ def landscape_errors(number, noise):
 # It grows from the spacing of the points on, which is 0.85 km for 250 points. These heights have
 # little noise, so averaging does not help. Set the noise to 100 m. Now the true error is smallest
 # for an $\varepsilon$ of about 0.6 km, and leave-one-out selects 0.9 km. The true errors of the
-# two choices differ by 2 %. Why is the leave-one-out error larger than the true error?
+# two choices differ by 2 %. Why is the leave-one-out error with this noise larger than the true
+# error?
 #
 # ### In words
 #
@@ -1096,7 +1099,7 @@ def landscape_errors(number, noise):
 #   digits?
 # - *The normalised objective.* Why is $\bar\psi$ smallest for small $\varepsilon$, if there is
 #   noise? Think of $D + 1$ measurements that are much closer than all others.
-# - *Terraces.* The notes say that "bumps and dimples occur unless $\varepsilon$ is substantially
+# - *Terraces.* The slides say that "bumps and dimples occur unless $\varepsilon$ is substantially
 #   larger than the spacing between points" (page 9). Look for them where the field is curved. Count
 #   the changes of sign of the second differences of the curve, for a small $\varepsilon$ and for
 #   $\varepsilon$ equal to the spacing. Then use the basis $b(\mathbf{x}) = 1$ alone, so that $f$ is

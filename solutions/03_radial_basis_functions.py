@@ -24,15 +24,17 @@
 # each point, and an affine field. You also find out for which points its linear system has a unique
 # solution.
 #
-# **Search for**: thin-plate spline, radial basis function, conditionally positive definite,
-# unisolvent, saddle-point system, inertia of a matrix, Runge phenomenon. **Read**: Wendland,
-# *Scattered Data Approximation*, chapters 8 and 10; Fasshauer, *Meshfree Approximation Methods with
-# MATLAB*, chapters 2 and 6 to 9; Duchon, *Splines minimizing rotation-invariant semi-norms in
-# Sobolev spaces* (1977).
+# **Source**: Erleben, *Field Reconstruction: A Quick Survey of Methods* (the slides). **Search
+# for**: thin-plate spline, radial basis function, conditionally positive definite, unisolvent,
+# saddle-point system, inertia of a matrix, Runge phenomenon. **Read**: Wendland, *Scattered Data
+# Approximation*, chapters 8 and 10; Fasshauer, *Meshfree Approximation Methods with MATLAB*,
+# chapters 2 and 6 to 9; Duchon, *Splines minimizing rotation-invariant semi-norms in Sobolev
+# spaces* (1977).
 #
-# Each question asks for a function. Write it, run its cell, and run the check below it. After a
-# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
-# your values, and the right ones.
+# Each question asks for a function or for an answer in words. Write the function, run its cell,
+# and run the check below it. After a check that is not right, `case()` in a new cell shows the
+# inputs for which your function failed, your values and, for the inputs that are the same for
+# everybody, the right values.
 
 # %% tags=["setup"]
 import numpy as np
@@ -465,9 +467,10 @@ def far_away(reach):
 # %% [markdown]
 # ## When is the solution unique?
 #
-# The notes say that $\mathbf{H}_{\mathrm{RBF}}$ is symmetric and positive definite, so that (3.5)
-# always has a unique solution (page 13). It is symmetric. The rest follows from its eigenvalues: a
-# symmetric matrix is positive definite if all of them are positive, and invertible if none is zero.
+# The slides say that $\mathbf{H}_{\mathrm{RBF}}$ is symmetric and positive definite, so that
+# (3.5) always has a unique solution (page 13). It is symmetric. The rest follows from its
+# eigenvalues: a symmetric matrix is positive definite if all of them are positive, and invertible
+# if none is zero.
 #
 # ### 03.5 The signs of the eigenvalues
 #
@@ -698,9 +701,10 @@ def one_value_changed(which):
 # independence of the unit may stand for one of them.
 
 # %% [markdown]
-# **03.9** The notes say about (3.5): "This is a symmetric positive definite system and will always
-# have a unique solution" (page 13). (a) Show that the matrix is not positive definite. (b) For
-# which points is there a unique solution for all values? Say what goes wrong for other points.
+# **03.9** The slides say about (3.5): "This is a symmetric positive definite system and will
+# always have a unique solution" (page 13). (a) Show that the matrix is not positive definite. (b)
+# For which points is there a unique solution for all values? Say what goes wrong for other
+# points.
 #
 # <details><summary>Hint</summary>
 #
@@ -736,8 +740,8 @@ def one_value_changed(which):
 #   $\boldsymbol{\lambda}$ and $\mathbf{c}$? Show with (3.4) that $\sum_j \lambda_j
 #   \lVert\mathbf{x} - \mathbf{p}_j\rVert^2$ does not depend on $\mathbf{x}$, and use it to explain
 #   your observation.
-# - *Lagrange multipliers.* The notes call the $\lambda_j$ Lagrange multipliers (page 11). Write the
-#   conditions for a minimum of $\tfrac12\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} -
+# - *Lagrange multipliers.* The slides call the $\lambda_j$ Lagrange multipliers (page 11). Write
+#   the conditions for a minimum of $\tfrac12\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} -
 #   \boldsymbol{\phi}^T\boldsymbol{\lambda}$ under (3.4). Which unknowns are the multipliers?
 # - *Space.* In three dimensions the kernel with the least bending energy is
 #   $-\lVert\mathbf{y}\rVert$. Use it instead of $w$. What happens to the gradient at the centres?

@@ -23,13 +23,15 @@
 # this notebook you find out when they determine an affine flow. Six equations for six unknowns are
 # not enough: the rank of the system depends on the positions and on the normals.
 #
-# **Search for**: full column rank, null space, singular value decomposition, normal velocity,
-# staggered (MAC) grid, stream function, conic through five points. **Read**: Strang, *Introduction
-# to Linear Algebra*, the chapters on the four subspaces and on the singular value decomposition.
+# **Source**: Erleben, *Field Reconstruction: A Quick Survey of Methods* (the slides). **Search
+# for**: full column rank, null space, singular value decomposition, normal velocity, staggered
+# (MAC) grid, stream function, conic through five points. **Read**: Strang, *Introduction to
+# Linear Algebra*, the chapters on the four subspaces and on the singular value decomposition.
 #
-# Each question asks for a function. Write it, run its cell, and run the check below it. After a
-# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
-# your values, and the right ones.
+# Each question asks for a function or for an answer in words. Write the function, run its cell,
+# and run the check below it. After a check that is not right, `case()` in a new cell shows the
+# inputs for which your function failed, your values and, for the inputs that are the same for
+# everybody, the right values.
 
 # %% [markdown]
 # ## A finished function
@@ -604,10 +606,10 @@ def star(neighbours, shift):
 #
 # ## In words
 #
-# **04.8** Let $N \ge 6$ and let $\mathbf{B}$ have full column rank. The notes ask for "obvious"
-# conditions on the normals $\mathbf{n}_i$ that are necessary for full column rank of $\mathbf{B}'$
-# (page 42). Condition (4.5) is one of them. (a) Prove that it is necessary. (b) Give an example
-# which shows that it is not sufficient.
+# **04.8** Let $N \ge 6$ and let $\mathbf{B}$ have full column rank. The slides ask for "obvious"
+# conditions on the normals $\mathbf{n}_i$ that are necessary for full column rank of
+# $\mathbf{B}'$ (page 42). Condition (4.5) is one of them. (a) Prove that it is necessary. (b)
+# Give an example which shows that it is not sufficient.
 #
 # <details><summary>Hint</summary>
 #

@@ -28,15 +28,17 @@
 # Notebook 04 examined the system of a single star of triangles. Here the same system is solved at
 # every vertex of a mesh.
 #
-# **Search for**: face-based (staggered) finite volumes, vertex star, one-ring, weighted least
-# squares, minimum-norm solution, stream function, conic. **Read**: Perot, *Conservation properties
-# of unstructured staggered mesh schemes* (2000); Strang, *Introduction to Linear Algebra*, the
+# **Source**: Erleben, *Field Reconstruction: A Quick Survey of Methods* (the slides). **Search
+# for**: face-based (staggered) finite volumes, vertex star, one-ring, weighted least squares,
+# minimum-norm solution, stream function, conic. **Read**: Perot, *Conservation properties of
+# unstructured staggered mesh schemes* (2000); Strang, *Introduction to Linear Algebra*, the
 # chapter on the singular value decomposition.
 #
-# Each question asks for a function. Write it, run its cell, and run the check below it. The check
-# reports whether the function is right and, if it is not, which mistake is likely. After a check
-# that is not right, `case()` in a new cell shows the inputs for which your function failed, your
-# values, and the right ones.
+# Each question asks for a function or for an answer in words. Write the function, run its cell,
+# and run the check below it. The check reports whether the function is right and, if it is not,
+# which mistake is likely. After a check that is not right, `case()` in a new cell shows the
+# inputs for which your function failed, your values and, for the inputs that are the same for
+# everybody, the right values.
 
 # %% tags=["setup"]
 import numpy as np
@@ -580,12 +582,12 @@ def reconstruct(points, triangles, u, rings, epsilon):
     p, n = midpoints_and_normals(points, edges)
     v = normal_velocities(edges, n, u)
     found = np.full(points.shape, np.nan)
-    for i, place in enumerate(points):
+    for i, vertex in enumerate(points):
         near = np.asarray(ring(triangles, edges, i, rings), dtype=bool)
-        distance = np.hypot(*(p[near] - place).T)
+        distance = np.hypot(*(p[near] - vertex).T)
         w = 1 / (distance**2 + epsilon**2)
         try:
-            found[i] = velocity(p[near], n[near], v[near], place, w)
+            found[i] = velocity(p[near], n[near], v[near], vertex, w)
         except np.linalg.LinAlgError:
             pass  # singular: no arrow
     return found
@@ -648,8 +650,9 @@ def reconstruction(rings, epsilon, seed):
 # Write a function that returns the rank of $\mathbf{B}'$ at every vertex of a mesh. At one vertex
 # it is the rank of 04.2 for the samples of the ring; if you have written 04.2, you may adapt your
 # function. The rank must depend neither on the position of the mesh nor on the unit of length: a
-# mesh in millimetres has the same ranks as one in metres. Far from the origin the rounding errors
-# are close to the tolerance of 04.2; the hint has a larger one.
+# mesh in millimetres has the same ranks as one in metres. Divide each column of $\mathbf{B}'$ by
+# its norm, and count singular values below $10^{-6}$ as zero: far from the origin the rounding
+# errors are close to the tolerance of 04.2.
 #
 # <details><summary>Hint</summary>
 #

@@ -34,7 +34,8 @@
 # Each question asks for a short function, or for an answer in words. Write the function, run its
 # cell, and run the check below it. The check reports whether the function is right and, if not,
 # which kind of mistake it may contain. Then `case()`, in a new cell, shows the inputs for which
-# your function failed, your values, and the right ones.
+# your function failed, your values and, for the inputs that are the same for everybody, the right
+# values.
 
 # %% tags=["setup"]
 import numpy as np

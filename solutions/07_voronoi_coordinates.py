@@ -19,11 +19,11 @@
 # # Voronoi coordinates
 #
 # A fluid solver stores one pressure for each triangle of its mesh, at the circumcentre of the
-# triangle. What is the pressure at a point between the circumcentres? The circumcentres around a
-# vertex are the corners of a polygon, the *Voronoi cell* of the vertex. This notebook interpolates
-# in this cell by *generalized barycentric coordinates*: weights that depend on the point, as in a
-# triangle. You will compute these weights from the triangles alone, evaluate them along a spiral,
-# and remove the division by zero on the edges of the cell.
+# triangle. The pressure at a point between the circumcentres is wanted. The circumcentres around
+# a vertex are the corners of a polygon, the *Voronoi cell* of the vertex. This notebook
+# interpolates in this cell by *generalized barycentric coordinates*: weights that depend on the
+# point, as in a triangle. You will compute these weights from the triangles alone, evaluate them
+# along a spiral, and remove the division by zero on the edges of the cell.
 #
 # **Sources**: the lecture slides "Field Reconstruction" by K. Erleben, pages 27–36 and the exercise
 # on page 45; J. Warren, S. Schaefer, A. Hirani and M. Desbrun, *Barycentric coordinates for convex
@@ -37,7 +37,7 @@
 # Each question with code asks for one short function. Write it, run its cell, and run the check
 # below it. The check reports whether the function is right and, if not, which kind of mistake it
 # may contain. Then `case()`, in a new cell, shows the inputs for which your function failed, your
-# values, and the right ones.
+# values and, for the inputs that are the same for everybody, the right values.
 
 # %% tags=["setup"]
 import numpy as np
@@ -772,8 +772,8 @@ def landscape(size):
 # value at the centre is the mean of the corners; one for the limit $R^2/3$.
 
 # %% [markdown]
-# **07.10** (a) Why are the edges of the circumcentric dual perpendicular to the edges of the mesh?
-# (b) Why are the dual cells of a Delaunay mesh convex, and why do they not overlap? (c) Which of
+# **07.10** (a) Why are the edges of the circumcentric dual perpendicular to the edges of the
+# mesh? (b) Why are the dual cells of a Delaunay mesh convex and without overlap? (c) Which of
 # these properties remain if the mesh is not a Delaunay mesh?
 #
 # <details><summary>Hint</summary>

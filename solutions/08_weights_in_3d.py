@@ -31,7 +31,7 @@
 #
 # Each question asks for a short function with a check below it, or for a proof in words. After a
 # check that is not right, `case()` in a new cell shows the inputs for which your function failed,
-# your values, and the right ones.
+# your values and, for the inputs that are the same for everybody, the right values.
 
 # %% tags=["setup"]
 import numpy as np

@@ -23,16 +23,17 @@
 # points, and in how many variables? Each of these questions has an answer, and this notebook shows
 # what happens when the condition of the answer is violated.
 #
-# **Sources**: H. Wendland, *Scattered Data Approximation* (2005), chapters 8 (conditionally
-# positive definite functions) and 9 (compactly supported functions), and chapter 1, pages 1–16; C.
-# Micchelli, *Interpolation of scattered data* (1986); J. Mairhuber (1956) and P. Curtis (1959).
-# **To search for**: conditionally positive definite, polyharmonic spline, thin-plate spline,
-# unisolvent, saddle-point system, Wendland function, Mairhuber–Curtis theorem, Hermite–Birkhoff
-# interpolation, cross-validation.
+# **Sources**: the appendix (of a thesis on mesh errors and conditionally positive definite
+# functions); H. Wendland, *Scattered Data Approximation* (2005), chapters 8 (conditionally
+# positive definite functions) and 9 (compactly supported functions), and chapter 1, pages 1–16;
+# C. Micchelli, *Interpolation of scattered data* (1986); J. Mairhuber (1956) and P. Curtis
+# (1959). **To search for**: conditionally positive definite, polyharmonic spline, thin-plate
+# spline, unisolvent, saddle-point system, Wendland function, Mairhuber–Curtis theorem,
+# Hermite–Birkhoff interpolation, cross-validation.
 #
-# Each question asks for a short function with a check below it, or for an answer in words. After a
-# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
-# your values, and the right ones.
+# Each question asks for a short function with a check below it, or for an answer in words. After
+# a check that is not right, `case()` in a new cell shows the inputs for which your function
+# failed, your values and, for the inputs that are the same for everybody, the right values.
 
 # %% tags=["setup"]
 import numpy as np
@@ -66,14 +67,15 @@ from fieldcheck.given import distances, saddle_point_matrix
 #    (-1)^{k/2+1}\; r^k \log r & \text{for even } k, \end{cases} \qquad \varphi_k(0) = 0. \tag{9.1}
 #    $$
 #
-# So $\varphi_1 = -r$, $\varphi_2 = r^2\log r$ (the thin-plate spline), $\varphi_3 = r^3$,
-# $\varphi_4 = -r^4\log r$, $\varphi_5 = -r^5$. The signs make the quadratic form (9.5) positive.
+# So $\varphi_1 = -r$, $\varphi_2 = r^2\log r$ (the thin-plate spline; half of the kernel of
+# notebook 03), $\varphi_3 = r^3$, $\varphi_4 = -r^4\log r$, $\varphi_5 = -r^5$. The signs make
+# the quadratic form (9.5) positive.
 #
 # The next cell has a finished function, the kernels. It also shows the style of this notebook: a
-# docstring with the shapes, whole arrays, and no loop over points. Two functions of notebook 03 are
-# ready-made, and the first cell imports them. `distances(x, points)` returns $\lVert\mathbf{x}_i -
-# \mathbf{p}_j\rVert$, of shape $(M, N)$, for `x` $(M, D)$ and `points` $(N, D)$. The other one,
-# `saddle_point_matrix`, is needed below. Use all three in your answers.
+# docstring with the shapes, whole arrays, and no loop over points. Two functions that notebook 03
+# explains are ready-made, and the first cell imports them. `distances(x, points)` returns
+# $\lVert\mathbf{x}_i - \mathbf{p}_j\rVert$, of shape $(M, N)$, for `x` $(M, D)$ and `points` $(N,
+# D)$. The other one, `saddle_point_matrix`, is needed below. Use all three in your answers.
 
 
 # %% tags=["setup"]
@@ -523,9 +525,9 @@ def terrain(number, k):
 #
 # ## Points on a line
 #
-# What happens if the order is right but the points are not unisolvent? Here five points lie on a
-# line, with the kernel $r^2\log r$ and $n = 1$. The linear polynomial $x_1 - x_2$ vanishes at all
-# of them, and the slider adds a multiple of it.
+# Now the order is right, but the points are not unisolvent: five points lie on a line, with the
+# kernel $r^2\log r$ and $n = 1$. The linear polynomial $x_1 - x_2$ vanishes at all of them, and
+# the slider adds a multiple of it.
 
 
 # %%
@@ -656,10 +658,10 @@ def too_many_variables(d, s):
 # %% [markdown]
 # ## The Mairhuber–Curtis theorem
 #
-# Could we fix $N$ functions once and for all and interpolate with them at any $N$ points? On the
-# line we can: the polynomials of degree $N - 1$ interpolate at all distinct points. In the plane it
-# is impossible with any continuous functions if $N \geq 2$. This is the theorem of *Mairhuber and
-# Curtis*. Its proof moves two points until they have exchanged their positions.
+# On the line, $N$ fixed functions can interpolate at any $N$ distinct points: the polynomials of
+# degree $N - 1$. In the plane it is impossible with any continuous functions if $N \geq 2$. This
+# is the theorem of *Mairhuber and Curtis*. Its proof moves two points until they have exchanged
+# their positions.
 #
 # Let $\mathbf{m} = \tfrac12(\mathbf{p}_1 + \mathbf{p}_2)$. The first two points move
 # counter-clockwise around $\mathbf{m}$, along the two halves of a circle, while $\mathbf{p}_3$
@@ -862,10 +864,10 @@ def with_slopes(slope):
 
 # %% [markdown] answer="09.8" points=4 minutes=15 words=100
 # (a) $r^3$ has the order two: $\boldsymbol\lambda^T\mathbf{A}\boldsymbol\lambda$ is positive only
-# if the $\lambda_j$ annihilate constants and linear functions. Under $\sum\lambda_j = 0$ alone the
-# form is indefinite. So an eigenvalue may pass through zero as points move, and for some distinct
-# points the matrix is singular. Such points are exceptional, so the program may have missed them.
-# Near them the coefficients are huge and the field oscillates.
+# if the $\lambda_j$ annihilate constants and linear functions. Under $\sum\lambda_j = 0$ alone
+# the form takes both signs for some points. So an eigenvalue may pass through zero as points
+# move, and for some distinct points the matrix is singular. Such points are exceptional, so the
+# program may have missed them. Near them the coefficients are huge and the field oscillates.
 #
 # (b) Take $r^2\log r$ without a polynomial, $n = -1$, and an equilateral triangle with the side 1.
 # All distances are 0 or 1, and $\varphi_2$ vanishes at both, so $\mathbf{A} = \mathbf{0}$.
@@ -875,9 +877,9 @@ def with_slopes(slope):
 # positive on every subspace. But the points must then be unisolvent for quadratic polynomials.
 
 # %% [markdown] rubric="09.8"
-# (a) One point: the form is indefinite under fewer side conditions. One: hence the matrix is
-# singular for some distinct points. One: near them the coefficients are large, although the program
-# has worked so far. (b) One point for a correct example with a reason.
+# (a) One point: under fewer side conditions the form takes both signs for some points. One: hence
+# the matrix is singular for some distinct points. One: near them the coefficients are large,
+# although the program has worked so far. (b) One point for a correct example with a reason.
 
 # %% [markdown]
 # **09.9** Five points lie on a line of the plane, the kernel has the order two, and $n = 1$. Show

@@ -33,9 +33,9 @@
 # power, moments of a spline, tridiagonal system, bending energy, minimal norm property, B-spline,
 # Cox–de Boor recursion, Marsden's identity.
 #
-# Each question asks for a short function with a check below it, or for an answer in words. After a
-# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
-# your values, and the right ones.
+# Each question asks for a short function with a check below it, or for an answer in words. After
+# a check that is not right, `case()` in a new cell shows the inputs for which your function
+# failed, your values and, for the inputs that are the same for everybody, the right values.
 
 # %% tags=["setup"]
 import numpy as np

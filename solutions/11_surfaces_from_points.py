@@ -34,9 +34,9 @@
 # Notebook 14 finds the errors in triangulated surfaces of such bodies. Numbers in brackets, such
 # as (11.1), belong to formulas; numbers without brackets belong to questions.
 #
-# Each question asks for a function with a check below it, or for an answer in words. After a check
-# that is not right, `case()` in a new cell shows the inputs for which your function failed, your
-# values, and the right ones.
+# Each question asks for a function with a check below it, or for an answer in words. After a
+# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
+# your values and, for the inputs that are the same for everybody, the right values.
 
 # %% tags=["setup"]
 import numpy as np
@@ -276,8 +276,8 @@ check("11.2")
 # %% [markdown]
 # ## Orientation along a minimum spanning tree
 #
-# Which links are safe for passing a sign? If two normals are nearly parallel, there is no doubt. If
-# they are perpendicular, the sign is a guess. So each link costs
+# A link is safe for passing a sign if its two normals are nearly parallel. If they are
+# perpendicular, the sign is a guess. So each link costs
 #
 # $$ w_{ij} = 1 - | \mathbf{n}_i^T \mathbf{n}_j | , \tag{11.4} $$
 #
@@ -491,10 +491,10 @@ check("11.4")
 #
 # ### 11.5 The coefficients
 #
-# Two functions of notebook 03 are ready-made: `distances(x, points)` returns all distances, of
-# shape $(M, N)$, and `saddle_point_matrix(A, P)` the matrix of (11.8). State $\mathbf{A}$ and
-# $\mathbf{P}$ for sites in the plane or in space, solve (11.8), and separate $\boldsymbol\lambda$
-# from $\mathbf{c}$.
+# Two functions that notebook 03 explains are ready-made: `distances(x, points)` returns all
+# distances, of shape $(M, N)$, and `saddle_point_matrix(A, P)` the matrix of (11.8). State
+# $\mathbf{A}$ and $\mathbf{P}$ for sites in the plane or in space, solve (11.8), and separate
+# $\boldsymbol\lambda$ from $\mathbf{c}$.
 
 
 # %% question="11.5" minutes=15
@@ -585,6 +585,8 @@ def beside(distance):
 #    \rVert^2} \nabla F(\mathbf{x}) . \tag{11.9} $$
 #
 # ### 11.7 Newton's method
+#
+# Return the points after the given number of steps (11.9).
 
 
 # %% question="11.7" minutes=15 optional
@@ -736,9 +738,8 @@ def whole_road(noise, k, distance):
         )
         image.set_rasterized(True)
         page.colorbar(image, ax=right, ticks=[-1, 0, 1], label="F", shrink=0.8)
-        level = zero_level(nodes, f)
-        draw_pieces(right, level, color="black", lw=1.6)
-        starts = level[::6, 0]
+        level = right.contour(*nodes.transpose(2, 0, 1), f, [0.0], colors="black", linewidths=1.6)
+        starts = np.vstack(level.allsegs[0])[::6]
         slope = np.asarray(field(starts, sites, lam, c)[1])
         draw_normals(right, starts, -slope / np.linalg.norm(slope, axis=1)[:, None], 0.15, "black")
         right.set(title="F and its zero level", xlim=(-1.9, 1.9), ylim=(-1.9, 1.9), aspect="equal")
@@ -786,8 +787,8 @@ def asteroid(height):
         second.axhline(height, color=ORANGE, lw=1)
         for z in [*np.linspace(-36, 32, 7), height]:
             chosen = z == height
-            style = {"color": ORANGE, "lw": 2.2} if chosen else {"color": BLUE, "lw": 1}
-            draw_pieces(left, zero_level(nodes, values_at(z)), **style)
+            style = {"colors": ORANGE, "linewidths": 2.2} if chosen else {"colors": BLUE}
+            left.contour(*nodes.transpose(2, 0, 1), values_at(z), [0.0], **style)
         left.set(title="contour lines of the zero level", aspect="equal")
         left.set_axis_off()
         f = values_at(height)
@@ -795,7 +796,7 @@ def asteroid(height):
             *nodes.transpose(2, 0, 1), f, np.linspace(-40, 40, 17), cmap="PuOr", extend="both"
         )
         bands.set_rasterized(True)
-        draw_pieces(right, zero_level(nodes, f), color=ORANGE, lw=2.2)
+        right.contour(*nodes.transpose(2, 0, 1), f, [0.0], colors=ORANGE, linewidths=2.2)
         right.set(aspect="equal", title=f"$F$ at the height {height:.0f} km")
         right.set_axis_off()
         page.colorbar(bands, ax=right, ticks=[-40, 0, 40], label="$F$ in km", shrink=0.8)

@@ -36,9 +36,9 @@
 # work, Kirchhoff plate, partitioned coupling, torsional divergence. Numbers in brackets, such as
 # (12.1), belong to formulas; numbers without brackets belong to questions.
 #
-# Each question asks for a function with a check below it, or for an answer in words. After a check
-# that is not right, `case()` in a new cell shows the inputs for which your function failed, your
-# values, and the right ones.
+# Each question asks for a function with a check below it, or for an answer in words. After a
+# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
+# your values and, for the inputs that are the same for everybody, the right values.
 
 # %% tags=["setup"]
 import numpy as np
@@ -232,6 +232,8 @@ check("12.1")
 # the force, $32 \cdot 1/2$.
 #
 # ### 12.2 The loads on the structure
+#
+# Return $\mathbf{g}$ of (12.4).
 
 
 # %% question="12.2" minutes=10
@@ -310,7 +312,7 @@ def footprint(x, y):
 #
 # </details>
 
-# %% [markdown] answer="12.3" points=4 minutes=15 words=70
+# %% [markdown] answer="12.3" points=4 minutes=20 words=100
 # (a) The loads sum to $\sum_i (\sum_j H_{ij})\, \mathbf{f}_i$. If all rows sum to 1, this is
 # $\sum_i\mathbf{f}_i$. Conversely, a single force at $\mathbf{y}_i$ is conserved only if its row
 # sums to 1.
@@ -451,6 +453,8 @@ def what_goes_wrong(stations):
 # Weights may be negative, but in the inputs no $m'_j$ is zero.
 #
 # ### 12.6 Pressures on the structure
+#
+# Return $p'_j$ of (12.6) for all nodes.
 
 
 # %% question="12.6" minutes=5
@@ -664,6 +668,8 @@ def pulled_along(height):
 # 1$, where $2u = 1 + u$. If (12.8) has no solution, the iterates exist all the same.
 #
 # ### 12.10 The iterates
+#
+# Return all iterates of (12.9), a row for each.
 
 
 # %% question="12.10" minutes=15

@@ -32,14 +32,13 @@
 #
 # **Sources.** Wendland, *Scattered Data Approximation* (2005), pages 6–8; Staniforth and Côté
 # (1991) and Behrens and Iske (2002) below. Search for: advection equation, characteristics,
-# semi-Lagrangian method, CFL number, Runge–Kutta method, quasi-monotone scheme, Burgers' equation.
-# Questions 11.5 and 12.1 ask for the linear system of this notebook, so here it is given.
-# Numbers in brackets, such as (13.1), belong to formulas; numbers without brackets belong to
-# questions.
+# semi-Lagrangian method, CFL number, Runge–Kutta method, quasi-monotone scheme, Burgers'
+# equation. The linear system is that of notebooks 03, 11 and 12, so here it is given. Numbers in
+# brackets, such as (13.1), belong to formulas; numbers without brackets belong to questions.
 #
-# Each question asks for a function with a check below it, or for an answer in words. After a check
-# that is not right, `case()` in a new cell shows the inputs for which your function failed, your
-# values, and the right ones.
+# Each question asks for a function with a check below it, or for an answer in words. After a
+# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
+# your values and, for the inputs that are the same for everybody, the right values.
 
 # %% tags=["setup"]
 import numpy as np
@@ -180,6 +179,8 @@ for name, a in (
 
 # %% [markdown]
 # ### 13.1 Euler's scheme
+#
+# Return the feet (13.3) of many points at once; use `velocity`.
 
 
 # %% question="13.1" minutes=15
@@ -200,6 +201,8 @@ check("13.1")
 #    \mathbf{a}(\mathbf{x}, t),\; t - \tfrac12 \Delta t\bigr) . \tag{13.4} $$
 #
 # ### 13.2 The midpoint rule
+#
+# Return the feet (13.4) of many points at once.
 #
 # Before you run the check, predict: by which factor does the error of *one* step fall if $\Delta
 # t$ is halved, for Euler's scheme and for the midpoint rule? (The order of a scheme is one less
@@ -233,6 +236,8 @@ check("13.2")
 #    \end{aligned} \tag{13.5} $$
 #
 # ### 13.3 The Runge–Kutta scheme RK4
+#
+# Return the feet (13.5) of many points at once.
 
 
 # %% question="13.3" minutes=20
@@ -400,6 +405,9 @@ print(32 * np.linalg.solve(system(three), [1 / 8, 1 / 8, 27 / 8, 1, 1 / 2])[:3])
 
 # %% [markdown]
 # ### 13.5 The matrix of a step
+#
+# Return $\mathbf{H}$: row $i$ has the weights (13.7) of the $k$ sites nearest to foot $i$, and
+# zeros elsewhere.
 #
 # <details><summary>Hint</summary>
 #
@@ -581,6 +589,8 @@ def how_many_steps(sites):
 # point, all four sites are nearest: $l = 0$ and $h = 1$.
 #
 # ### 13.8 The bounds
+#
+# Return both bounds of (13.8): `return low, high`.
 
 
 # %% question="13.8" minutes=10
@@ -616,6 +626,8 @@ check("13.8")
 # 0.4$ and $\mathbf{v} = (0.4, 1.2)$.
 #
 # ### 13.9 Correction of the mass
+#
+# Return $\mathbf{v}$ of (13.9); the argument `total` is $M$.
 #
 # <details><summary>Hint</summary>
 #
@@ -766,6 +778,8 @@ def out_and_back(steps):
 # = 3/4$, $y^3 = 5/8$, and converges to the solution $y = 2/3$ of $y = 1 - y/2$.
 #
 # ### 13.11 Departure points for Burgers' equation
+#
+# Return the feet after the given number of rounds of (13.10).
 
 
 # %% question="13.11" minutes=15 optional

@@ -23,16 +23,17 @@
 # picture. But a 3D printer, or the computation of a volume, will fail. In this notebook you write
 # functions that find such errors, and you learn which property of a surface each error violates.
 #
-# **Sources.** Botsch and others, *Polygon Mesh Processing* (2010), chapters 1 and 8; Attene,
+# **Sources.** The appendix (of a thesis on mesh errors and conditionally positive definite
+# functions); Botsch and others, *Polygon Mesh Processing* (2010), chapters 1 and 8; Attene,
 # Campen and Kobbelt, *Polygon mesh repairing: an application perspective*, ACM Computing Surveys
 # 45 (2013). Search for: manifold, half-edge, polygon soup, vertex welding, Euler characteristic,
 # boundary loop, bow-tie vertex, orientable surface, degenerate triangle, self-intersection,
 # T-junction. Notebook 11 constructs surfaces; here their files are examined. Numbers in brackets,
 # such as (14.1), belong to formulas; numbers without brackets belong to questions.
 #
-# Each question asks for a function with a check below it, or for an answer in words. After a check
-# that is not right, `case()` in a new cell shows the inputs for which your function failed, your
-# values, and the right ones.
+# Each question asks for a function with a check below it, or for an answer in words. After a
+# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
+# your values and, for the inputs that are the same for everybody, the right values.
 
 # %% tags=["setup"]
 import numpy as np
@@ -332,6 +333,8 @@ def edges_in_colour():
 # the square of the example $\chi = 4 - 5 + 2 = 1$: a sphere with one hole.
 #
 # ### 14.3 Euler characteristic
+#
+# Return $\chi$ of (14.2).
 #
 # <details><summary>Hint</summary>
 #

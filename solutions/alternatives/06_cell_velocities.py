@@ -6,7 +6,7 @@ from fieldgrade.authoring.catalogue import answers
 
 
 def doubled_area(q):
-    """Twice the area, positive for corners listed anticlockwise."""
+    """Twice the area, positive for corners listed counter-clockwise."""
     return np.linalg.det(q[1:] - q[0])
 
 

@@ -61,7 +61,7 @@ def inward(q):
 
 @answers("06.1")
 def outward_in_one_order_only(q):
-    """Outward for triangles whose corners are listed anticlockwise, and inward for the others.
+    """Outward for triangles whose corners are listed counter-clockwise, and inward for the others.
     A mesh may contain both. How can you decide which direction is outward in a given triangle?
     """
     return clockwise_turn(sides(q)) / lengths(q)[:, None]
@@ -95,7 +95,7 @@ def in_another_order(q):
 @answers("06.1")
 def of_the_side_that_begins_here(q):
     """There are two mistakes. Row a has the normal of the side that begins at corner a instead of
-    the one opposite. It is outward only if the corners are listed anticlockwise. Begin with the
+    the one opposite. It is outward only if the corners are listed counter-clockwise. Begin with the
     first row, and name its side by its two ends.
     """
     along = np.roll(q, -1, axis=0) - q
@@ -193,7 +193,7 @@ def normal_equations_without_the_right_side(q, v):
 
 
 @answers("06.2")
-def anticlockwise_assumed(q, v):
+def counter_clockwise_assumed(q, v):
     """The velocity has the wrong sign for the triangles whose corners are listed clockwise. Are
     your normals outward for both orders?
     """

@@ -97,8 +97,8 @@ def turn_taken_as_degrees(center, radius, turn):
 
 @answers("07.1")
 def turned_by_minus_the_angle(center, radius, turn):
-    """The corners go round anticlockwise, but the hexagon is turned by −α. Look at the sign of α in
-    (7.1).
+    """The corners go round counter-clockwise, but the hexagon is turned by −α. Look at the sign of
+    α in (7.1).
     """
     return center + radius * circle(-turn + np.pi / 3 * np.arange(6))
 
@@ -568,8 +568,8 @@ def from_the_midpoint_of_the_edge(center, corners, steps):
 
 @answers("07.6")
 def clockwise_spiral(center, corners, steps):
-    """The spiral is clockwise. In (7.7) the angle grows with n, so it must be anticlockwise; look
-    at the sign of the sine.
+    """The spiral is clockwise. In (7.7) the angle grows with n, so it must be counter-clockwise;
+    look at the sign of the sine.
     """
     n = np.arange(1, steps + 1)
     r = np.linalg.norm((corners[0] + corners[1]) / 2 - center)

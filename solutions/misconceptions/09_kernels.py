@@ -561,7 +561,7 @@ def part_of_a_whole_turn(points):
 
 @answers("09.6")
 def clockwise(points):
-    """This is the time for a clockwise turn, and (9.10) turns anticlockwise. Which angle is
+    """This is the time for a clockwise turn, and (9.10) turns counter-clockwise. Which angle is
     subtracted from which? If you use `arctan2`, its first argument is the second coordinate.
     """
     return -turned_by(points) / np.pi % 1

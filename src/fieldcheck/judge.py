@@ -13,7 +13,7 @@ from fieldcheck.answers import Answers
 from fieldcheck.calls import LIST, MATRIX, Call, Outcome, Values
 from fieldcheck.patterns import are_truth_values, pattern
 from fieldcheck.question import LEAST_TOLERANCE, Law, Question, scale
-from fieldcheck.shapes import fitted, in_words, shape_in_words, without_extra_axes
+from fieldcheck.shapes import ORDINALS, fitted, in_words, shape_in_words, without_extra_axes
 from fieldcheck.verdict import FINDINGS, Finding, Verdict
 
 TIMEOUT_FACTOR = 4.0
@@ -263,11 +263,11 @@ def _whole(values: np.ndarray) -> bool:
 
 
 def _entry(units: np.ndarray, part: int, parts: int) -> str:
-    of = f" of array {part + 1}" if parts > 1 else ""
     if units.ndim == 0:
-        return f"the number{of}" if not of else f"number {part + 1}"
+        return f"the {ORDINALS[part]} number" if parts > 1 else "the number"
     index = np.unravel_index(int(np.argmax(units)), units.shape)
-    return f"entry [{', '.join(str(int(i)) for i in index)}]{of}"
+    entry = f"entry [{', '.join(str(int(i)) for i in index)}]"
+    return f"{entry} of the {ORDINALS[part]} array" if parts > 1 else entry
 
 
 def _slow(question: Question, call: Call, outcome: Outcome) -> str:

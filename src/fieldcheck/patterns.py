@@ -15,6 +15,7 @@ import numpy as np
 from fieldcheck.answers import rows_sorted
 from fieldcheck.calls import Call, Values
 from fieldcheck.question import LEAST_TOLERANCE, Question, scale
+from fieldcheck.shapes import ORDINALS
 
 CLOSE = 1e-6
 """Relative difference of factors that count as equal."""
@@ -34,14 +35,19 @@ FACTORS = {
 }
 
 
+SPACES = {1: "on a line", 2: "in the plane", 3: "in space"}
+
+
 @dataclass(frozen=True, eq=False)
 class Case:
     """The returned and the right arrays of a call, in normal form.
 
-    `whole` contains the positions of the arguments that are arrays of integers.
+    `dimension` is that of the points, the rows of the first table among the arguments; `whole`
+    contains the positions of the arguments that are arrays of integers.
     """
 
     name: str
+    dimension: int
     whole: frozenset[int]
     values: Values
     right: Values
@@ -82,6 +88,7 @@ def pattern(
     cases = [
         Case(
             call.case,
+            _dimension(call),
             frozenset(k for k, a in enumerate(call.arguments) if _is_whole(a)),
             question.normal_form(call, v),
             question.normal_form(call, r),
@@ -111,10 +118,25 @@ def _are_single_whole_numbers(answers: Sequence[Values]) -> bool:
 
 
 def _where(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
-    right = [case.name for case in cases if case not in wrong]
+    right = [case for case in cases if case not in wrong]
     if len(wrong) == 1 < len(cases):
         return f"Your values are wrong only for {wrong[0].name}."
-    return f"Your values are right only for {right[0]}." if len(right) == 1 else ""
+    if len(right) == 1:
+        return f"Your values are right only for {right[0].name}."
+    return _dimensions({case.dimension for case in right}, {case.dimension for case in wrong})
+
+
+def _dimension(call: Call) -> int:
+    tables = (a for a in call.arguments if isinstance(a, np.ndarray) and a.ndim == 2)
+    return next((table.shape[1] for table in tables), 0)
+
+
+def _dimensions(right: set[int], wrong: set[int]) -> str:
+    """Recognise that all cases are right up to a dimension, and all others are wrong."""
+    if not right or not right | wrong <= SPACES.keys() or max(right) >= min(wrong):
+        return ""
+    below, above = (" and ".join(SPACES[d] for d in sorted(these)) for these in (right, wrong))
+    return f"Your values are right {below}, and wrong {above}."
 
 
 def _is_whole(argument: object) -> bool:
@@ -236,7 +258,9 @@ def _outputs(wrong: Sequence[Case]) -> str:
         ):
             return "The returned arrays are the right ones in another order."
     right = [j for j in range(count) if all(c.same(c.values[j], c.right[j]) for c in wrong)]
-    return f"Only array {right[0] + 1} of the returned {count} is right." if len(right) == 1 else ""
+    if len(right) != 1:
+        return ""
+    return f"Only the {ORDINALS[right[0]]} of the {count} returned arrays is right."
 
 
 ORDERS: tuple[tuple[str, Callable[[np.ndarray], np.ndarray], bool], ...] = (

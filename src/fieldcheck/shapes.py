@@ -9,6 +9,9 @@ import numpy as np
 
 from fieldcheck.calls import MATRIX, ONE_ROW, Outcome, Values
 
+ORDINALS = ("first", "second", "third", "fourth", "fifth")
+"""For the arrays that a function returns: their entries are counted from 0."""
+
 
 def without_extra_axes(outcome: Outcome, shapes: Sequence[tuple[int, ...]]) -> Outcome:
     """Return an outcome in the expected shapes, if only its type has changed the number of axes.

@@ -41,6 +41,44 @@ def square(a):
     return np.indices(a.shape)
 
 
+def clouds(*dimensions):
+    random = np.random.default_rng(0)
+    shapes = [(k + 4, d) for k, d in enumerate(dimensions)]
+    return tuple(Call("table", (random.normal(size=s),), f"a cloud of {s}") for s in shapes)
+
+
+@pytest.mark.parametrize(
+    ("dimensions", "right", "sentence"),
+    [
+        (
+            (1, 2, 2, 3, 3),
+            (1, 2),
+            "Your values are right on a line and in the plane, and wrong in ",
+        ),
+        (
+            (1, 1, 2, 3),
+            (1,),
+            "Your values are right on a line, and wrong in the plane and in space.",
+        ),
+        ((1, 2, 2, 3, 3), (1,), "Your values are right only for a cloud of (4, 1)."),
+        ((2, 2, 3, 2, 3), (2, 3), ""),
+        ((2, 2, 5, 5), (2,), ""),
+        ((3, 3, 2, 2), (3,), ""),
+    ],
+)
+def test_values_that_are_right_up_to_a_dimension_are_told(dimensions, right, sentence):
+    """The columns of the first table are coordinates if there are one to three of them."""
+    calls = clouds(*dimensions)
+    told = [call.arguments for call in calls]
+    values = [(a if a.shape[1] in right else a + np.cos(a),) for (a,) in told]
+    found = pattern(TABLE, calls, values, told)
+    assert (
+        found.startswith(sentence)
+        if sentence
+        else "dimension" not in found and "plane" not in found
+    )
+
+
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
@@ -101,7 +139,7 @@ def test_a_pattern_is_reported(change, sentence):
     ("change", "sentence"),
     [
         (lambda a, b: (b, a), "The returned arrays are the right ones in another order."),
-        (lambda a, b: (a, b + a), "Only array 1 of the returned 2 is right."),
+        (lambda a, b: (a, b + a), "Only the first of the 2 returned arrays is right."),
         (lambda a, b: (a * b, b + a), ""),
     ],
 )

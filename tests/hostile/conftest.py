@@ -22,7 +22,7 @@ LIMITS = Limits(
     memory=256 * MEBIBYTE,
     cpu_seconds=8,
     seconds_per_cell=5.0,
-    seconds_per_call=4.0,
+    seconds_per_call=6.0,
     seconds_in_all=300.0,
     most_starts=8,
 )

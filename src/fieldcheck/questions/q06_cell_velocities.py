@@ -26,11 +26,11 @@ LEAST_DEFECT = 0.01
 """For normal velocities of size one; a smaller defect would have fewer than twelve digits."""
 
 
-def triangle(random: np.random.Generator, anticlockwise: bool, size: float = 1.0) -> np.ndarray:
+def triangle(random: np.random.Generator, counter_clockwise: bool, size: float = 1.0) -> np.ndarray:
     """Return the corners of a triangle with three different sides, none of them short."""
     angle = np.array([0.0, 1.7, 3.9]) + random.uniform(-0.25, 0.25, 3) + random.uniform(0, 6.28)
     corners = size * random.uniform(0.75, 1.0, (3, 1)) * directions(angle)
-    return random.uniform(-1, 1, 2) + (corners if anticlockwise else corners[::-1])
+    return random.uniform(-1, 1, 2) + (corners if counter_clockwise else corners[::-1])
 
 
 def obtuse(random: np.random.Generator) -> np.ndarray:
@@ -67,13 +67,13 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     return calls_of(
         "outward_normals",
-        ((triangle(random, True, 3.0),), "a triangle, anticlockwise"),
+        ((triangle(random, True, 3.0),), "a triangle, counter-clockwise"),
         ((triangle(random, False, 0.5),), "a smaller triangle, clockwise"),
         ((obtuse(random),), "an obtuse triangle"),
         ((along_the_axes(random),), "a triangle with two sides along the axes"),
         ((1e-12 * triangle(random, False),), "a triangle of the size 10⁻¹², clockwise"),
-        ((1e-12 * triangle(random, True),), "a triangle of the size 10⁻¹², anticlockwise"),
-        ((integers(triangle(random, True), 1e4),), "a triangle of integers, anticlockwise"),
+        ((1e-12 * triangle(random, True),), "a triangle of the size 10⁻¹², counter-clockwise"),
+        ((integers(triangle(random, True), 1e4),), "a triangle of integers, counter-clockwise"),
         ((integers(triangle(random, False), 1e4),), "a triangle of integers, clockwise"),
     )
 
@@ -98,7 +98,7 @@ def across_the_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 @law(
     "An outward normal must point away from the opposite corner, for corners listed clockwise "
-    "and anticlockwise."
+    "and counter-clockwise."
 )
 def leave_the_triangle(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return 1 if a normal points towards the opposite corner."""
@@ -153,7 +153,7 @@ WIND = np.array([2.0, -1.0])
 
 
 def projections(q: np.ndarray) -> np.ndarray:
-    """Return the constant velocity's component normal to each side of an anticlockwise triangle."""
+    """Return the components of the constant velocity normal to the sides of a triangle."""
     along = np.array([q[2] - q[1], q[0] - q[2], q[1] - q[0]])
     return cross(WIND, along) / np.hypot(*along.T)
 

@@ -265,8 +265,8 @@ def spiral_inputs(seed: int) -> tuple[Call, ...]:
 
 @law_of_each(
     "The vectors from the centre to the points, the nth multiplied by n, must have one length. "
-    "Each must be turned anticlockwise from the one before by 2π/S, and the last must point to the "
-    "right."
+    "Each must be turned counter-clockwise from the one before by 2π/S, and the last must point "
+    "to the right."
 )
 def winds_inwards(call: Call, values: Values) -> float:
     """Return the deviation of n (s_n − x_i) from one revolution of constant radius that ends on the

@@ -378,8 +378,8 @@ GOES_THROUGH = (*2 * (THROUGH_OR_NOT,), *2 * (IN_THE_PLANE_OR_NOT,), (1,), (0,))
 
 
 @law(
-    "A segment passes through if and only if its ends are strictly on different sides of the plane "
-    "and it meets the plane inside the triangle."
+    "A segment must count as passing through if and only if its ends are strictly on different "
+    "sides of the plane and it meets the plane inside the triangle."
 )
 def goes_through_as_made(_: Sequence[Call], values: Sequence[Values]) -> float:
     pairs = zip(values, GOES_THROUGH, strict=True)

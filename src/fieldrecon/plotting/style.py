@@ -24,6 +24,7 @@ from matplotlib import font_manager
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from fieldrecon.plotting.fonts import SERIF, SERIF_FACES, font_file
 from fieldrecon.plotting.maps import SHADE, hillshade, map_axes, scale_bar
@@ -235,12 +236,13 @@ def figure(
     """
     height = height or 0.62 * width * rows / columns + 0.25
     with style(settings):
-        page = StyledFigure(figsize=(width, height), layout="constrained")
+        layout = ConstrainedLayoutEngine()
+        page = StyledFigure(figsize=(width, height), layout=layout)
         FigureCanvasAgg(page)
         yield page, page.subplots(rows, columns, **subplots)
         # solved once: every later solution would start from this one and differ in the last bits;
-        # "none" instead of None would keep a placeholder, for which each figure is drawn twice
-        page.draw_without_rendering()
+        # "none" instead of None would keep a placeholder, which asks for another drawing
+        layout.execute(page)
         page.set_layout_engine(None)
 
 
