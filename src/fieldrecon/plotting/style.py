@@ -24,7 +24,6 @@ from matplotlib import font_manager
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from fieldrecon.plotting.fonts import SERIF, SERIF_FACES, font_file
 from fieldrecon.plotting.maps import SHADE, hillshade, map_axes, scale_bar
@@ -236,13 +235,13 @@ def figure(
     """
     height = height or 0.62 * width * rows / columns + 0.25
     with style(settings):
-        layout = ConstrainedLayoutEngine()
-        page = StyledFigure(figsize=(width, height), layout=layout)
+        page = StyledFigure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(page)
         yield page, page.subplots(rows, columns, **subplots)
         # solved once: every later solution would start from this one and differ in the last bits;
         # "none" instead of None would keep a placeholder, which asks for another drawing
-        layout.execute(page)
+        if layout := page.get_layout_engine():  # a picture may have set another one
+            layout.execute(page)
         page.set_layout_engine(None)
 
 
