@@ -787,7 +787,11 @@ def asteroid(height):
         second.axhline(height, color=ORANGE, lw=1)
         for z in [*np.linspace(-36, 32, 7), height]:
             chosen = z == height
-            style = {"colors": ORANGE, "linewidths": 2.2} if chosen else {"colors": BLUE}
+            style = (
+                {"colors": ORANGE, "linewidths": 2.2}
+                if chosen
+                else {"colors": BLUE, "linewidths": 1}
+            )
             left.contour(*nodes.transpose(2, 0, 1), values_at(z), [0.0], **style)
         left.set(title="contour lines of the zero level", aspect="equal")
         left.set_axis_off()
