@@ -33,8 +33,9 @@
 # **Sources.** Wendland, *Scattered Data Approximation* (2005), pages 6–8; Staniforth and Côté
 # (1991) and Behrens and Iske (2002) below. Search for: advection equation, characteristics,
 # semi-Lagrangian method, CFL number, Runge–Kutta method, quasi-monotone scheme, Burgers'
-# equation. The linear system is that of notebooks 03, 11 and 12, so here it is given. Numbers in
-# brackets, such as (13.1), belong to formulas; numbers without brackets belong to questions.
+# equation. The linear system of notebooks 03, 11 and 12 is used again, so here it is given.
+# Numbers in brackets, such as (13.1), belong to formulas; numbers without brackets belong to
+# questions.
 #
 # Each question asks for a function with a check below it, or for an answer in words. After a
 # check that is not right, `case()` in a new cell shows the inputs for which your function failed,

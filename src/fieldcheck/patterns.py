@@ -36,14 +36,15 @@ FACTORS = {
 
 
 SPACES = {1: "on a line", 2: "in the plane", 3: "in space"}
+"""Where points with so many coordinates are; wider tables contain something else."""
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
     """The returned and the right arrays of a call, in normal form.
 
-    `dimension` is that of the points, the rows of the first table among the arguments; `whole`
-    contains the positions of the arguments that are arrays of integers.
+    `dimension` is the number of columns of the first table among the arguments, whose rows are
+    points in most questions; `whole` contains the positions of the arrays of integers.
     """
 
     name: str

@@ -79,7 +79,7 @@ def test_every_control_has_a_name_for_a_screen_reader(open_page):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_all_text_can_be_read(open_page, scheme):
-    """The ground is that of the colour scheme."""
+    """On the background of each colour scheme."""
     found = open_page(color_scheme=scheme).page.evaluate(CONTRASTS)
     assert len(found) > 5
     assert [(c, text) for c, text in found if c < READABLE] == []

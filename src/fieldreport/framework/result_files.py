@@ -37,7 +37,7 @@ def write_result(result: Result, folder: Path) -> list[Path]:
 
     ``params.json``, ``facts.json`` (flat), ``arrays.npz``, ``TABLE.csv`` for each table, and
     ``tables.json``, the list of their names. A table of an earlier run that this result lacks is
-    removed; no other file is, also if it is a table.
+    removed; no other file is removed, not even a table.
     """
     contents = {
         "params.json": _json(asdict(result.params)),
