@@ -9,21 +9,25 @@ from fieldrecon.surfaces.triangle_integrals import by_rule, over_segments, over_
 from fieldreport.experiments.surfaces.polygon_soup import gauss_on_triangles, on_the_cube
 from fieldreport.experiments.triangles.triangle_shapes import cube, sphere, torus
 
-RNG = np.random.default_rng(7)
+
+@pytest.fixture
+def rng():
+    """Each test draws its own numbers, so that no result depends on which tests ran before."""
+    return np.random.default_rng(7)
 
 
-def random_triangles(n):
-    corners = RNG.normal(size=(n, 3, 3))
+def random_triangles(n, rng):
+    corners = rng.normal(size=(n, 3, 3))
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return corners, normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
-def test_integrals_over_triangles_agree_with_dense_quadrature():
+def test_integrals_over_triangles_agree_with_dense_quadrature(rng):
     """Closed form and gradient agree for queries above, beside and far from the triangles."""
-    corners, normals = random_triangles(60)
+    corners, normals = random_triangles(60, rng)
     rule = gauss_on_triangles(corners, 40)
     for distance in (0.5, 3.0, 100.0):
-        x = distance * RNG.normal(size=(60, 3))
+        x = distance * rng.normal(size=(60, 3))
         value, slope = over_triangles(x, corners, normals, 0.3)
         expected, expected_slope = by_rule(x, *rule, 0.3)
         np.testing.assert_allclose(value, expected, rtol=1e-5)
@@ -55,9 +59,9 @@ def test_integrals_in_the_plane_of_a_triangle_converge_for_small_epsilon():
             )
 
 
-def test_integrals_over_segments_agree_with_dense_quadrature():
+def test_integrals_over_segments_agree_with_dense_quadrature(rng):
     """This is the case of the plane, with the gradient."""
-    corners = RNG.normal(size=(60, 2, 2))
+    corners = rng.normal(size=(60, 2, 2))
     along = corners[:, 1] - corners[:, 0]
     length = np.linalg.norm(along, axis=1)
     normals = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]
@@ -65,7 +69,7 @@ def test_integrals_over_segments_agree_with_dense_quadrature():
     nodes = corners[:, None, 0] + along[:, None] * (node[:, None] + 1) / 2
     weights = length[:, None] * weight / 2
     for distance in (0.5, 100.0):
-        x = distance * RNG.normal(size=(60, 2))
+        x = distance * rng.normal(size=(60, 2))
         value, slope = over_segments(x, corners, normals, 0.3)
         expected, expected_slope = by_rule(x, nodes, weights, 0.3)
         np.testing.assert_allclose(value, expected, rtol=1e-5)
@@ -73,25 +77,25 @@ def test_integrals_over_segments_agree_with_dense_quadrature():
 
 
 @pytest.mark.parametrize("epsilon", [0.0, 0.2])
-def test_coplanar_polygons_give_the_distance_to_their_plane(epsilon):
+def test_coplanar_polygons_give_the_distance_to_their_plane(epsilon, rng):
     """All polygons have the same linear function, so the result is exact everywhere."""
-    points = np.column_stack([RNG.normal(size=(30, 2)), np.full(30, 2.5)])
+    points = np.column_stack([rng.normal(size=(30, 2)), np.full(30, 2.5)])
     triangles = np.arange(30).reshape(-1, 3)
     a, b, c = points[triangles].swapaxes(0, 1)
     down = np.cross(b - a, c - a)[:, 2] < 0
     triangles[down] = triangles[down][:, ::-1]
     soup = fr.surfaces.PolygonSoup(points, triangles, epsilon)
-    x = 5 * RNG.normal(size=(50, 3))
+    x = 5 * rng.normal(size=(50, 3))
     np.testing.assert_allclose(soup(x), 2.5 - x[:, 2], atol=1e-12)
     np.testing.assert_allclose(soup.gradient(x), np.tile([0, 0, -1.0], (50, 1)), atol=1e-7)
 
 
 @pytest.mark.parametrize("surface", [cube(2), sphere(1), torus(12, 6)])
-def test_without_smoothing_the_polygons_are_zeros(surface):
+def test_without_smoothing_the_polygons_are_zeros(surface, rng):
     """F vanishes on the polygons with the gradient -n and is positive inside."""
     points, triangles = surface
     soup = fr.surfaces.PolygonSoup(points, triangles)
-    shares = RNG.dirichlet([3.0, 3.0, 3.0], len(triangles))
+    shares = rng.dirichlet([3.0, 3.0, 3.0], len(triangles))
     on = np.einsum("kc,kcd->kd", shares, points[triangles])
     a, b, c = points[triangles].swapaxes(0, 1)
     normals = np.cross(b - a, c - a)
@@ -108,26 +112,26 @@ def test_the_zero_level_converges_to_the_polygons_with_second_order():
     assert np.log2(coarse / fine) == pytest.approx(2, abs=0.05)
 
 
-def test_gradients_equal_central_differences():
+def test_gradients_equal_central_differences(rng):
     """F has smoothing and offsets; queries are near and far."""
     points, triangles = sphere(1)
-    offsets = 0.1 * RNG.random(len(triangles))
+    offsets = 0.1 * rng.random(len(triangles))
     soup = fr.surfaces.PolygonSoup(points, triangles, 0.1, offsets, tol=1e-12)
-    x, h = 1.5 * RNG.normal(size=(40, 3)), 1e-5
+    x, h = 1.5 * rng.normal(size=(40, 3)), 1e-5
     slopes = [(soup(x + h * e) - soup(x - h * e)) / (2 * h) for e in np.eye(3)]
     np.testing.assert_allclose(soup.gradient(x), np.stack(slopes, axis=1), atol=1e-7)
 
 
-def test_the_error_of_the_far_quadrature_is_below_the_tolerance():
+def test_the_error_of_the_far_quadrature_is_below_the_tolerance(rng):
     points, triangles = sphere(2)
     exact = fr.surfaces.PolygonSoup(points, triangles, 0.05, tol=1e-14)
-    x = 1.2 * RNG.normal(size=(60, 3))
+    x = 1.2 * rng.normal(size=(60, 3))
     for tolerance in (1e-2, 1e-4, 1e-6):
         soup = fr.surfaces.PolygonSoup(points, triangles, 0.05, tol=tolerance)
         assert np.abs(soup(x) - exact(x)).max() < tolerance
 
 
-def test_subdividing_a_polygon_does_not_change_the_field():
+def test_subdividing_a_polygon_does_not_change_the_field(rng):
     """The integral over the parts is that over the whole.
 
     A duplicated polygon does change the field.
@@ -136,7 +140,7 @@ def test_subdividing_a_polygon_does_not_change_the_field():
     middle = points[triangles[0]].mean(axis=0)
     a, b, c = triangles[0]
     cut = np.concatenate([triangles[1:], [[a, b, 8], [b, c, 8], [c, a, 8]]])
-    x = RNG.normal(size=(30, 3))
+    x = rng.normal(size=(30, 3))
     whole = fr.surfaces.PolygonSoup(points, triangles, 0.2, tol=1e-14)
     parts = fr.surfaces.PolygonSoup(np.vstack([points, middle]), cut, 0.2, tol=1e-14)
     doubled = fr.surfaces.PolygonSoup(points, np.concatenate([triangles, triangles[:1]]), 0.2)
@@ -144,12 +148,12 @@ def test_subdividing_a_polygon_does_not_change_the_field():
     assert np.abs(doubled(x) - whole(x)).max() > 1e-3
 
 
-def test_the_field_does_not_depend_on_origin_axes_and_unit():
+def test_the_field_does_not_depend_on_origin_axes_and_unit(rng):
     """A rigid motion and a change of unit transform the field accordingly."""
     points, triangles = torus(10, 5)
-    rotation = np.linalg.qr(RNG.normal(size=(3, 3)))[0]
+    rotation = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     rotation *= np.sign(np.linalg.det(rotation))
-    x = RNG.normal(size=(30, 3))
+    x = rng.normal(size=(30, 3))
     soup = fr.surfaces.PolygonSoup(points, triangles, 0.1)
     transformed = fr.surfaces.PolygonSoup(8 * points @ rotation.T + 1e6, triangles, 0.8)
     np.testing.assert_allclose(transformed(8 * x @ rotation.T + 1e6), 8 * soup(x), atol=1e-6)
@@ -170,27 +174,31 @@ def test_results_do_not_depend_on_the_unit(unit):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("loose", "epsilon", "share"), [(0.0, 0.3, 0.05), (0.1, 0.05, 0.8), (0.1, 0.3, 1.0)]
+    ("loose", "epsilon", "share"), [(0.0, 0.3, 0.05), (0.1, 0.05, 0.8), (0.1, 0.3, 0.97)]
 )
-def test_enclosing_surfaces_contain_all_corners_and_are_close(loose, epsilon, share):
-    """The mean distance is at most that of one common offset for all polygons."""
+def test_enclosing_surfaces_contain_all_corners_and_are_close(loose, epsilon, share, rng):
+    """The mean distance is at most that of one common offset for all polygons, mostly less."""
     points, triangles = torus(12, 6)
-    corners = points[triangles] * (1 + loose * RNG.random((len(triangles), 1, 1)))
-    soup = fr.surfaces.PolygonSoup(
-        corners.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3), epsilon
-    )
-    around, before = soup.enclosing()(soup.points), soup(soup.points)
-    assert around.min() > -1e-12
-    assert around.mean() <= share * (before - before.min()).mean() + 1e-12
+    ratios = []
+    for _ in range(8 if loose else 1):
+        corners = points[triangles] * (1 + loose * rng.random((len(triangles), 1, 1)))
+        soup = fr.surfaces.PolygonSoup(
+            corners.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3), epsilon
+        )
+        around, before = soup.enclosing()(soup.points), soup(soup.points)
+        assert around.min() > -1e-12
+        ratios.append(around.mean() / (before - before.min()).mean())
+    assert max(ratios) <= 1 + 1e-12
+    assert np.mean(ratios) <= share
 
 
-def test_constant_values_on_polygons_give_the_zero_field(monkeypatch):
+def test_constant_values_on_polygons_give_the_zero_field(monkeypatch, rng):
     """Plain moving least squares with the value zero on the polygons gives F = 0 everywhere."""
     soup = fr.surfaces.PolygonSoup(*sphere(1))
     monkeypatch.setattr(
         polygon_soup.PolygonSoup, "_planes", lambda self, x: np.zeros((len(x), len(self._kept)))
     )
-    assert not soup(RNG.normal(size=(20, 3))).any()
+    assert not soup(rng.normal(size=(20, 3))).any()
 
 
 def test_too_many_polygons_to_enclose_are_refused(monkeypatch):
