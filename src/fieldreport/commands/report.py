@@ -52,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--check-reproducible",
         action="store_true",
-        help="build twice in different environments and compare every byte",
+        help="then build again in other surroundings and compare every byte",
     )
     parser.add_argument(
         "--against",
@@ -69,12 +69,12 @@ def main(arguments: argparse.Namespace) -> int:
 
     require("matplotlib", "fontTools", "pypandoc", "typst")
     try:
-        if arguments.check_reproducible:
-            return reproducibility.check(arguments)
         if arguments.only or not up_to_date.is_up_to_date(arguments):
             from fieldreport.build.build import build
 
             build(arguments)
+        if arguments.check_reproducible:
+            return reproducibility.check(arguments)
         if arguments.against:
             return reproducibility.compare_facts(arguments)
     except BuildError as error:
