@@ -275,9 +275,10 @@ def plane_and_points(n):
 # The rank must depend neither on the distance of the points from the origin nor on the unit of
 # length.
 #
-# Rounding errors turn zero singular values into small ones. Count a singular value as zero if it is
-# at most $10^{-9}$ times the extent of the points. The extent is the largest difference between two
-# values of one coordinate.
+# Rounding errors turn zero singular values into small ones. Take the singular values of the matrix
+# of the coordinates, without the column of ones, after a suitable translation (hint 1). Count a
+# singular value as zero if it is at most $10^{-9}$ times the extent of the points. The extent is
+# the largest difference between two values of one coordinate.
 #
 # <details><summary>Hint 1</summary>
 #

@@ -144,7 +144,8 @@ def the_problem(x):
 # %% [markdown]
 # ### 02.1 The weights
 #
-# Write a function that returns the weights of all points for one evaluation point.
+# Write a function that returns the weights of all points for one evaluation point. They must be
+# accurate also far from the origin, and for whole numbers of any type.
 
 
 # %% question="02.1" minutes=15
@@ -242,7 +243,7 @@ print("H c for c = (0, 5/2):", three_h @ np.array([0.0, 2.5]))
 # %% [markdown]
 # ### 02.2 The coefficients
 #
-# Write a function that solves (2.5) for given weights.
+# Write a function that solves (2.5) for given weights, none of which is zero.
 #
 # <details><summary>Hint</summary>
 #
@@ -747,7 +748,8 @@ def slopes(epsilon):
 # ### 02.8 Least squares against moving least squares
 #
 # Write a function that returns $E$ for plain least squares and for moving least squares, in
-# this order.
+# this order. The power $n$ is a positive integer. The points may also lie outside of the unit
+# square.
 #
 # <details><summary>Hint</summary>
 #
@@ -898,7 +900,8 @@ def least_objective(noise):
 #
 # ### 02.9 The leave-one-out errors
 #
-# Write a function that returns all $e_i$.
+# Write a function that returns all $e_i$. They must be accurate also if $\varepsilon$ is much
+# smaller than the spacing of the points.
 #
 # <details><summary>Hint</summary>
 #
@@ -930,9 +933,9 @@ check("02.9")
 # %% [markdown]
 # The next picture compares four criteria on your points, as functions of $\varepsilon$: the true
 # error, the leave-one-out error, $\psi$, and the normalised $\bar\psi = \psi / \sum_i w_i^2$. The
-# last one is a weighted mean of squared residuals. Each curve is divided by its minimum, which a
-# dot marks. The number in brackets is the ratio of two true errors: at the $\varepsilon$ of this
-# criterion, and at the best $\varepsilon$.
+# last one is half a weighted mean of squared residuals. Each curve is divided by its minimum,
+# which a dot marks. The number in brackets is the ratio of two true errors: at the $\varepsilon$
+# of this criterion, and at the best $\varepsilon$.
 
 
 # %%

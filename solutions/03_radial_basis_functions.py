@@ -234,7 +234,8 @@ print("Bᵀλ:", three_b.T @ three_lambda)
 # %% [markdown]
 # ### 03.2 The matrix
 #
-# Write $\mathbf{H}_{\mathrm{RBF}}$. How many rows does it have? Some points may be equal.
+# Write $\mathbf{H}_{\mathrm{RBF}}$. How many rows does it have? Some points may be equal, there
+# may be fewer than $D + 1$ points, and they may be far from the origin.
 #
 # <details><summary>Hint</summary>
 #
@@ -283,7 +284,8 @@ def the_matrix(number):
 # %% [markdown]
 # ### 03.3 The coefficients
 #
-# Solve (3.5). Return the two parts of the solution as two arrays: `return lam, c`.
+# Solve (3.5) for points for which the solution is unique. Return the two parts of the solution as
+# two arrays: `return lam, c`.
 
 
 # %% question="03.3" minutes=10
@@ -303,7 +305,8 @@ check("03.3")
 # %% [markdown]
 # ### 03.4 The field
 #
-# Evaluate (3.2) at many evaluation points at once. Some of them may be centres.
+# Evaluate (3.2) at many evaluation points at once. Some of them may be centres. The coefficients
+# need not satisfy (3.4), and all points may be far from the origin.
 
 
 # %% question="03.4" minutes=5
@@ -544,7 +547,8 @@ def flattened(height):
 #
 # Compute $\nabla w$ on paper, with the product rule and the chain rule. What is its limit for
 # $\mathbf{y} \to \mathbf{0}$? Then write (3.6). It must be right at the centres too. Test it by
-# central differences of your field, as in notebook 02, before you run the check.
+# central differences of your field, as in notebook 02, before you run the check. Here, too, the
+# coefficients need not satisfy (3.4), and all points may be far from the origin.
 # A difference quotient itself is no answer: no step suits every unit of length.
 #
 # <details><summary>Hint</summary>

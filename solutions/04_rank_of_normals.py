@@ -295,7 +295,9 @@ def four_ranks():
 # ### 04.3 A tangent flow
 #
 # For samples with $\operatorname{rank}\mathbf{B}' = 5$ return the coefficients $\mathbf{c}$ of such
-# a flow. Its size and its sign are arbitrary, but it must not be zero.
+# a flow. Its size and its sign are arbitrary, but it must not be zero. Each entry of
+# $\mathbf{B}'\mathbf{c}$ must be zero up to rounding: at most $10^{-9}$ times the largest
+# coefficient.
 #
 # <details><summary>Hint</summary>
 #
@@ -430,10 +432,11 @@ def rotating(one, together):
 #
 # ### 04.5 A test of the conditions
 #
-# Write a function that returns whether (4.5) holds. There are infinitely many directions. For which
-# of them is (4.5) stronger than the condition that not all points are on one line?
-# Count a product $\mathbf{n}_i^T\mathbf{m}$ of unit vectors as zero if it is below $10^{-9}$.
-# Several samples may share a point.
+# Write a function that returns whether (4.5) holds. There are infinitely many directions. For
+# which of them is (4.5) stronger than the condition that not all points are on one line? Count a
+# product $\mathbf{n}_i^T\mathbf{m}$ of unit vectors as zero if its absolute value is below
+# $10^{-9}$. Points count as on one line if their distances from a line are below $10^{-9}$; all
+# coordinates are between $-10$ and $10$. Several samples may share a point.
 #
 # <details><summary>Hint</summary>
 #
@@ -504,8 +507,8 @@ def obvious_or_not():
 #
 # Write a function that returns the midpoints and the unit normals. First come the spokes, in the
 # order of the neighbours. Then come the outer edges, from each neighbour to the next, and from the
-# last to the first. Each normal may have either sign. The star may have any size, and edges may be
-# parallel to an axis.
+# last to the first. Each normal may have either sign. The star may have any size and may be far
+# from the origin. Edges may be parallel to an axis.
 
 
 # %% question="04.6" minutes=15
@@ -526,7 +529,8 @@ check("04.6")
 # %% [markdown]
 # ### 04.7 The rank from the vertices
 #
-# For the samples of a star the rank of $\mathbf{B}'$ depends on the *vertices* alone:
+# The vertices of a star are not all on one line. For its samples the rank of $\mathbf{B}'$
+# depends on the *vertices* alone:
 #
 # $$ \operatorname{rank}\mathbf{B}' = \operatorname{rank} \begin{bmatrix}
 #    1 & x_1 & y_1 & x_1^2 & x_1 y_1 & y_1^2 \\ \vdots & & & & & \vdots \\
@@ -538,8 +542,9 @@ check("04.6")
 #
 # As in 04.2 the rank must depend neither on the origin nor on the unit of length. Scale the
 # vertices to size one before you form the squares, and count singular values below $10^{-9}$ as
-# zero. The number of vertices is arbitrary. They may be on a line, but never on one parallel to an
-# axis. So you may divide both coordinates by the same number, or each coordinate by its own.
+# zero. There are two vertices or more. They may even be on a line, although no star is, but never
+# on one parallel to an axis. So you may divide both coordinates by the same number, or each
+# coordinate by its own.
 
 
 # %% question="04.7" minutes=15

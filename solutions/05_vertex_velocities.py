@@ -215,7 +215,8 @@ check("05.1")
 #
 # ### 05.2 Midpoints and normals
 #
-# Write a function that returns both arrays, with one row for each edge.
+# Write a function that returns both arrays, with one row for each edge. An edge may have any length
+# and direction, and the mesh may be far from the origin.
 
 
 # %% question="05.2" minutes=15
@@ -284,7 +285,7 @@ def edges_and_normals(vertex):
 #
 # ### 05.3 The rotation
 #
-# Write a function that returns the velocities (5.2) at all vertices.
+# Write a function that returns the velocities (5.2) at all vertices. There may be one point only.
 
 
 # %% question="05.3" minutes=10
@@ -415,7 +416,8 @@ def truth_and_data(seed):
 # ### 05.6 The ring
 #
 # Write a function that returns, for each edge, whether it belongs to the ring. As in 05.1, the
-# triangles may be a part of a mesh.
+# triangles may be a part of a mesh. The edges are the sides of these triangles, each once, in any
+# order and direction. The vertex is a corner of at least one triangle.
 #
 # <details><summary>Hint: from a vertex to triangles</summary>
 #
@@ -652,7 +654,7 @@ def reconstruction(rings, epsilon, seed):
 # function. The rank must depend neither on the position of the mesh nor on the unit of length: a
 # mesh in millimetres has the same ranks as one in metres. Divide each column of $\mathbf{B}'$ by
 # its norm, and count singular values below $10^{-6}$ as zero: far from the origin the rounding
-# errors are close to the tolerance of 04.2.
+# errors are close to the tolerance of 04.2. Every point is a corner of at least one triangle.
 #
 # <details><summary>Hint</summary>
 #

@@ -176,7 +176,8 @@ print(side_lengths(np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]])))
 # ### 06.1 The outward normals
 #
 # Write a function that returns $\mathbf{N}$ of (6.1). The corners may be listed clockwise or
-# counter-clockwise. The triangle may have any size.
+# counter-clockwise. The triangle may have any size, and may be nearly flat. It may be small and far
+# from the origin: then a formula with products of the coordinates themselves loses all digits.
 #
 # <details><summary>Hint</summary>
 #
@@ -211,12 +212,13 @@ check("06.1")
 # ### 06.2 The velocity of a cell
 #
 # Write a function that returns the least-squares solution (6.2). The triangle may have any size,
-# and may be nearly flat.
+# and may be far from the origin. It may be nearly flat, but its least height is at least $10^{-5}$
+# of its longest side.
 #
 # <details><summary>Hint</summary>
 #
-# NumPy has a function for least squares. The normal equations of notebook 01 are another way.
-# They lose more digits, the flatter the triangle is.
+# NumPy has a function for least squares. The normal equations of notebook 01 are another way. For
+# a flat triangle and data almost without net outflow they lose more digits than that function.
 #
 # </details>
 
@@ -316,7 +318,7 @@ def three_lines(source, shape):
 #
 # ### 06.3 The defect
 #
-# Write a function that returns $d$. You may use either side of (6.4).
+# Write a function that returns $d$, for the triangles of 06.2. You may use either side of (6.4).
 
 
 # %% question="06.3" minutes=10
@@ -364,7 +366,7 @@ check("06.3")
 
 
 # %% question="06.4" minutes=10
-def circumcentre(q):
+def circumcenter(q):
     """Return O of (6.5), of shape (2,), for the corners q (3, 2)."""
     # BEGIN SOLUTION
     sides = q[1:] - q[0]
@@ -442,7 +444,7 @@ def all_cells(points, triangles, field):
     data_of_cells = [normal_velocities(q, field) for q in corners]
     pairs = list(zip(corners, data_of_cells, strict=True))
     return (
-        np.array([circumcentre(q) for q in corners]),
+        np.array([circumcenter(q) for q in corners]),
         np.array([cell_velocity(q, v) for q, v in pairs]),
         np.array([defect(q, v) for q, v in pairs]),
     )
@@ -487,7 +489,7 @@ def cells(s, seed):
 # Write a function that returns the root-mean-square (RMS) errors for all three choices. Let
 # $\mathbf{m}$ be the mean of the points, let the data be
 # $v_a = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a)$ at the midpoints of the sides, and let
-# $\mathbf{u}_T$ be your velocity of cell $T$. Then
+# $\mathbf{u}_T$ be your velocity of cell $T$. The mesh may be far from the origin. Then
 #
 # $$ E_{\mathbf{O}} = \sqrt{\operatorname{mean}_T \lVert \mathbf{u}_T - \mathbf{u}(\mathbf{O}_T)
 #    \rVert^2}, \qquad
@@ -514,7 +516,7 @@ def errors(points, triangles, s):
     for q in points[triangles]:
         middles = (q.sum(axis=0) - q) / 2
         v = np.sum(outward_normals(q) * truth(middles, m, s), axis=1)
-        compared_at = np.vstack([circumcentre(q), q.mean(axis=0), q])
+        compared_at = np.vstack([circumcenter(q), q.mean(axis=0), q])
         squares.append(np.sum((cell_velocity(q, v) - truth(compared_at, m, s)) ** 2, axis=1))
     squares = np.array(squares)
     return np.sqrt([squares[:, 0].mean(), squares[:, 1].mean(), squares[:, 2:].mean()])
@@ -623,7 +625,7 @@ def matching_point(s, apex, height):
             color=ORANGE,
             label=f"exact field = $\\mathbf{{u}}$, $s$ = {s:.2g}",
         )
-        axes.plot(*circumcentre(q), "^", ms=8, color=BLUE, label=r"circumcentre $\mathbf{O}$")
+        axes.plot(*circumcenter(q), "^", ms=8, color=BLUE, label=r"circumcentre $\mathbf{O}$")
         axes.plot(
             *np.average(q, axis=0, weights=squares),
             "s",
@@ -720,7 +722,7 @@ def raviart_thomas(q, v, x):
     """
     # BEGIN SOLUTION
     n = outward_normals(q)
-    heights = np.ptp(n @ q.T, axis=1)
+    heights = np.ptp(n @ (q - q[0]).T, axis=1)
     return (v / heights) @ (x - q)
     # END SOLUTION
 
@@ -751,7 +753,7 @@ def defect_and_error(s, strain, noise):
     rows = []
     for corners in points[triangles]:
         v = normal_velocities(corners, field) + noise * random.normal(size=3)
-        center = circumcentre(corners)
+        center = circumcenter(corners)
         exact = field(center[np.newaxis])[0]
         both = (cell_velocity(corners, v), raviart_thomas(corners, v, center))
         rows.append([defect(corners, v), *(np.hypot(*(u - exact)) for u in both)])

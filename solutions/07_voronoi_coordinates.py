@@ -145,7 +145,7 @@ print("sum", omega_by_hand.sum(), "and mean of the corners", omega_by_hand @ squ
 def hexagon(center, radius, turn):
     """Return x_0 … x_5 of (7.1), of shape (6, 2).
 
-    center (2,) is x_i, radius is R, and turn is the angle α.
+    center (2,) is x_i, radius is R > 0, and turn is the angle α in radians.
     """
     # BEGIN SOLUTION
     angles = [turn + b * np.pi / 3 for b in range(6)]
@@ -321,7 +321,8 @@ print(triangle_coordinates(np.array([[0, 0], [4, 0], [0, 4]]), np.array([[1, 1],
 # ### 07.3 The area of a triangle
 #
 # Write a function that returns $A$ of (7.4). An area must be positive for both orders of the
-# corners. The triangle may have any size.
+# corners. The triangle may have any size and may be as thin as a needle. The result must keep its
+# accuracy far from the origin as well, so use differences of the corners.
 
 
 # %% question="07.3" minutes=10
@@ -341,7 +342,8 @@ check("07.3")
 # Write a function that returns the weights (7.5) of all corners for one point $\mathbf{x}$. The
 # corners are an argument. The number $N$ of neighbours may be any number from 3 on, and the
 # neighbours may be listed clockwise or counter-clockwise. The point may lie outside the cell; some
-# weights are negative there. The cell may have any size.
+# weights are negative there. It does not lie on a line through an edge of the cell, where (7.5)
+# divides by zero. The cell may have any size.
 #
 # <details><summary>Hint</summary>
 #
@@ -375,11 +377,11 @@ check("07.4")
 # %% [markdown]
 # ### 07.5 The coordinates
 #
-# Write a function that returns the coordinates (7.6) of many points. They must sum to 1 for every
-# point, and $\sum_a \omega_a(\mathbf{x})\, \mathbf{p}_a = \mathbf{x}$ must hold. The first
-# requirement is called *partition of unity* and the second one *linear precision*. Other
-# coordinates satisfy them, too, but here those of (7.6) are required, for cells of any size, and
-# for points inside and outside.
+# Write a function that returns the coordinates (7.6) of many points. At every point its $N$
+# coordinates must sum to 1, and $\sum_a \omega_a(\mathbf{x})\, \mathbf{p}_a = \mathbf{x}$ must
+# hold. The first requirement is called *partition of unity* and the second one *linear precision*.
+# Other coordinates satisfy both, too, but here those of (7.6) are required, for cells of any size,
+# and for points inside and outside, but not on a line through an edge.
 
 
 # %% question="07.5" minutes=10
@@ -484,8 +486,8 @@ check("07.6")
 #
 # $$ f(\mathbf{x}) = \sum_a \omega_a(\mathbf{x})\, \phi_a . \tag{7.8} $$
 #
-# Write a function that evaluates it at many points, inside the cell and outside, for any number $N$
-# of corners.
+# Write a function that evaluates it at many points, for any number $N$ of corners. The points lie
+# inside the cell and outside, but not on a line through an edge.
 
 
 # %% question="07.7" minutes=10
@@ -598,8 +600,10 @@ def under_the_pointer(x):
 # ### 07.8 Coordinates without division
 #
 # Write a function that returns the coordinates (7.10) of many points. They must be accurate inside
-# the cell, on its edges, in its corners and outside, for cells of any size, such as $10^{-9}$, and
-# far from the origin. The circumcentres are not arguments, since (7.10) does not need them.
+# the cell, on its edges, in its corners and outside, also on the extension of an edge. The cell may
+# be far from the origin and may have any size, such as $10^{-9}$. (Such a small cell has at most
+# ten neighbours: a product of many more tiny $h_b$ is rounded to zero.) The circumcentres are not
+# arguments, since (7.10) does not need them.
 #
 # <details><summary>Hint</summary>
 #

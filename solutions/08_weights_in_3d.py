@@ -201,7 +201,8 @@ print(edge_lengths(np.array([1, 1, 1]), np.array([[3, 1, 1], [1, 4, 5]])))
 # ### 08.1 The volume
 #
 # Write a function that returns $V$ of (8.3). A volume must be positive for every order of the
-# corners.
+# corners. The tetrahedron may be nearly flat. Here and in the other questions of this notebook the
+# points may have any unit of length and may be far from the origin, so use differences of points.
 
 
 # %% question="08.1" minutes=15
@@ -387,7 +388,7 @@ def conjecture(power):
 # Write a function that returns the weights (8.2) of all corners for one point. The mesh is given in
 # the usual form: an array of neighbours and, for each tetrahedron, the three indices of its
 # vertices other than $\mathbf{x}_i$, in any order. The point may lie outside the cell; some weights
-# are negative there.
+# are negative there. It does not lie in the plane of a face, where (8.2) divides by zero.
 
 
 # %% question="08.7" minutes=15
@@ -484,7 +485,7 @@ def linear_precision():
 # ### 08.8 The heights
 #
 # Write a function that returns $h_b$ for all neighbours and many points. Divided by $l_b$, it is
-# the height of the point above face $b$.
+# the distance of the point from the plane of face $b$, positive inside the cell.
 
 
 # %% question="08.8" minutes=10
@@ -579,7 +580,9 @@ def from_every_corner(b):
 def coordinates(center, neighbors, cells, x):
     """Return ω_a of (8.6) at points x (M, 3), of shape (M, T): a row for each point.
 
-    The points may lie inside, on faces, in corners and outside, and the cell may have any size.
+    The points may lie inside, on faces, in corners and outside, and the cell may have any
+    size, such as 1e-9. (Such a small cell has at most ten faces: a product of many more
+    tiny heights is rounded to zero.)
     """
     # BEGIN SOLUTION
     h = heights(center, neighbors, x)

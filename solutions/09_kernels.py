@@ -330,11 +330,11 @@ def both_sides(k):
 # most $n$ that vanish at all points. For unisolvent points this number is zero.
 #
 # The number does not depend on the origin of the coordinates or on the unit of length, but the
-# rounding errors do. In a small box $x_1^2$ is tiny compared to the monomial 1. Far from the origin
-# the columns of $\mathbf{P}$ are nearly multiples of each other. So first shift the points to the
-# mean zero, and divide them by their size, such as the largest coordinate. Then treat
-# singular values of $\mathbf{P}$ below $10^{-10}$ times the largest one as zero. There may be fewer
-# of them than columns.
+# rounding errors do. In a small box $x_1^2$ is tiny compared to the monomial 1. Far from the
+# origin the columns of $\mathbf{P}$ are nearly multiples of each other. So first shift the points
+# to the mean zero, and divide them by their size, such as the largest absolute value of a
+# coordinate. Then treat singular values of $\mathbf{P}$ of at most $10^{-10}$ times the largest one
+# as zero. There may be fewer of them than columns.
 #
 # <details><summary>Hint</summary>
 #
@@ -346,7 +346,7 @@ def both_sides(k):
 
 # %% question="09.3" minutes=15
 def vanishing(points, degree):
-    """Return how many independent polynomials up to a degree vanish at points (N, 2).
+    """Return how many independent polynomials up to a degree 0, 1, … vanish at points (N, 2).
 
     At least two of the points are different.
     """
@@ -409,8 +409,10 @@ def six_points(out):
 #
 # Write a function that solves (9.3) and evaluates (9.2) at the points $\mathbf{x}$. The power $k$
 # and the degree $n$ are arguments. For $n = -1$ there is no polynomial. The degree may also be
-# lower than the order requires. `saddle_point_matrix` combines the two blocks of the matrix; you
-# state the blocks and the right side.
+# lower than the order requires. The given points are distinct and such that (9.3) has exactly one
+# solution; there may be as few points as monomials. Their coordinates may be some hundreds.
+# `saddle_point_matrix` combines the two blocks of the matrix; you state the blocks and the right
+# side.
 #
 # <details><summary>Hint</summary>
 #
@@ -460,12 +462,12 @@ def your_field(k, degree):
 
 
 # %% [markdown]
-# **What to look at.** The dots have the same colours as the field around them: it interpolates your
-# values, even if the degree is too low. With a degree that is too low this is luck. The form is
-# indefinite under too few side conditions, and an eigenvalue may pass through zero as the points
-# move, as for the triangle at the beginning. (Only $k = 1$ is safe without a polynomial; *Dig
-# deeper* asks why.) Compare the corners of the picture for the degrees 0 and 3: how does the field
-# extrapolate?
+# **What to look at.** The dots have the same colours as the field around them: it interpolates
+# your values, even if the degree is too low. With a degree that is too low this is luck. The form
+# is indefinite under too few side conditions, and an eigenvalue may pass through zero as the
+# points move, as for the triangle at the beginning. (For two or more points only $k = 1$ is safe
+# without a polynomial; *Dig deeper* asks why.) Compare the corners of the picture for the degrees
+# 0 and 3: how does the field extrapolate?
 #
 # ## A real field: the heights of a terrain
 #
@@ -677,7 +679,8 @@ def too_many_variables(d, s):
 # ### 09.6 The time of failure
 #
 # The functions $1, x_1, x_2$ cannot interpolate arbitrary values at three points on one line. Write
-# a function that returns the time $t$ between 0 and 1 at which the three points lie on one line.
+# a function that returns the time $t$ between 0 and 1 at which the three points lie on one line. At
+# the start, $t = 0$, they do not lie on one line, so $\mathbf{p}_3 \neq \mathbf{m}$.
 #
 # <details><summary>Hint</summary>
 #
@@ -936,8 +939,8 @@ def with_slopes(slope):
 # ## Dig deeper
 #
 # - The kernel $-r$ has the order one. Compute the eigenvalues of its matrix $\mathbf{A}$ without a
-#   polynomial. How many are negative? Why is the matrix regular for distinct points? (Its trace is
-#   zero.)
+#   polynomial. How many are negative? Why is the matrix regular for two or more distinct points?
+#   (Its trace is zero.)
 # - The kernel $\varphi(r) = -r^2$ has a form that is never negative if $\sum\lambda_j = 0$. Test it
 #   with `least_eigenvalue`. Expand $\lVert\mathbf{p}_i - \mathbf{p}_j\rVert^2$: for which
 #   $\boldsymbol{\lambda}$ is the form zero? Why do even powers need a logarithm?

@@ -25,8 +25,8 @@
 # This notebook computes the natural spline in two ways that look unrelated: as a sum of one
 # function $\lvert x - x_j \rvert^3$ for each pin, and by cubic polynomials between the pins. You
 # convert one form into the other, compute the bending energy, and see how a sum of functions that
-# are nonzero everywhere can be local. The first form generalises to the plane and to space, where
-# it is interpolation by radial basis functions (notebooks 03 and 09).
+# are nonzero almost everywhere can be local. The first form generalises to the plane and to
+# space, where it is interpolation by radial basis functions (notebooks 03 and 09).
 #
 # **Sources**: H. Wendland, *Scattered Data Approximation* (2005), section 1.4, pages 12–16; C. de
 # Boor, *A Practical Guide to Splines* (1978). **To search for**: natural cubic spline, truncated
@@ -158,7 +158,7 @@ print(cubes + 1.5)
 
 # %% question="10.1" minutes=25
 def from_truncated(sites, alpha, beta):
-    """Return a and b of (10.4), of shapes (N,) and (2,).
+    """Return a and b of (10.4), of shapes (N,) and (2,), for sites (N,) in any order, N >= 2.
 
     alpha (N,) and beta (2,) are the coefficients in (10.1), and satisfy (10.2).
     """
@@ -200,8 +200,8 @@ def two_sums(middle):
 
 # %% [markdown]
 # **What to look at.** The grey terms and the dashed lines of the two panels differ, the sums do
-# not. On the left all terms vanish before the first site. On the right no term vanishes anywhere,
-# and the picture is symmetric. By (10.2) the sum is straight on both sides.
+# not. On the left all terms vanish before the first site. On the right each term vanishes at its
+# own site only, and the picture is symmetric. By (10.2) the sum is straight on both sides.
 
 # %% [markdown]
 # ## The saddle-point system
@@ -228,7 +228,7 @@ def two_sums(middle):
 
 # %% question="10.2" minutes=20
 def radial_spline(sites, values):
-    """Return a (N,) and b (2,) of (10.4), for values (N,) at sites (N,)."""
+    """Return a (N,) and b (2,) of (10.4), for values (N,) at sites (N,), N >= 2."""
     # BEGIN SOLUTION
     n = len(sites)
     p = np.stack([np.ones(n), sites], axis=1)
@@ -291,7 +291,8 @@ def your_spline(height):
 # ### 10.3 The moments
 #
 # Write a function that solves this *tridiagonal system*. From here on the sites are in ascending
-# order. With two sites only, all moments are zero.
+# order. In 10.3, 10.4 and 10.6 they may be far from the origin. With two sites only, all moments
+# are zero.
 #
 # <details><summary>Hint</summary>
 #
@@ -528,7 +529,7 @@ def mauna_loa(step, day):
 
 # %% question="10.5" minutes=15
 def truncated(sites, values, bends):
-    """Return α and β of (10.1), of shapes (N,) and (2,).
+    """Return α and β of (10.1), of shapes (N,) and (2,), for ascending sites (N,), N >= 2.
 
     bends (N,) are the moments, zero at both ends.
     """
@@ -596,7 +597,7 @@ def round_trip():
 #
 # Write a function that computes $E(s)$ exactly from the moments: $s''$ is a broken line, and its
 # square is a parabola on each interval. In the worked example the moments are $0, -3, 0$, and
-# $E(s) = 3 + 3 = 6$.
+# $E(s) = 3 + 3 = 6$. In the check the moments at both ends need not be zero.
 #
 # <details><summary>Hint</summary>
 #
@@ -672,8 +673,8 @@ def pythagoras(size):
 #    \frac{t_{i+k+1} - x}{t_{i+k+1} - t_{i+1}}\, B_{i+1,k-1}(x) . \tag{10.12} $$
 #
 # Knots may coincide; a quotient with the denominator zero counts as zero, as in the function of the
-# next cell. There are $n - k - 1$ B-splines of the degree $k$. By (10.11) all of them are zero at
-# the last knot, $x = t_n$.
+# next cell. Knots may also be far from the origin. There are $n - k - 1$ B-splines of the degree
+# $k$. By (10.11) all of them are zero at the last knot, $x = t_n$.
 #
 # *Example.* For the knots $0, 1, 2$ the only B-spline of degree 1 is the hat function: $x$ on
 # $[0, 1)$ and $2 - x$ on $[1, 2)$.

@@ -149,7 +149,8 @@ def problem(points):
 #
 # $$ q_i = 1 - \lambda_D / \lambda_{D-1} \tag{11.2} $$
 #
-# is 1 if the neighbours lie exactly in a line or plane. It is 0 if no direction is preferred.
+# is 1 if the neighbours lie exactly on the fitted line or plane. It is 0 if the two smallest
+# variances are equal: then the normal is not determined.
 #
 # **Example.** Three neighbours in the plane are $(-2, 1)$, $(1, -2)$ and $(4, 1)$. Their mean is
 # $(1, 0)$, and the offsets from the mean are $(-3, 1)$, $(0, -2)$ and $(3, 1)$. Hence
@@ -255,7 +256,8 @@ def estimated(k, noise):
 #
 # ### 11.2 Neighbourhood graph
 #
-# Return $g$. The cloud may be small, and it may be far from the origin.
+# Return $g$. There are at least $K$ points. The extent of the cloud may be tiny or huge, and the
+# cloud may be far from the origin.
 
 
 # %% question="11.2" minutes=15
@@ -350,8 +352,8 @@ def spanning_tree():
 # ### 11.3 Orientation
 #
 # The normals are given, and the links as an array of ones and zeros. Return the oriented normals.
-# Each component has a single highest point. Where several links are equally cheap, all lead to the
-# same normals.
+# Each component has a single highest point, and the last component of its normal is not zero.
+# Where several links are equally cheap, all lead to the same normals.
 #
 # <details><summary>Hint 1</summary>
 #
@@ -443,8 +445,8 @@ def oriented(k):
 #
 # ### 11.4 Distances of the off-surface points
 #
-# Return $\delta$ and $\delta'$ for each point. Each side has its own test. No two points of the
-# cloud are equal.
+# Return $\delta$ and $\delta'$ for each point. Each side has its own test. The normals have the
+# length 1. No two points of the cloud are equal, and no tested point has two nearest points.
 
 
 # %% question="11.4" minutes=20
@@ -515,8 +517,9 @@ check("11.5")
 # %% [markdown]
 # ### 11.6 The function and its gradient
 #
-# Return $F$ and its gradient at the points $\mathbf{x}$. What is the gradient of $r^3$ with $r =
-# \lVert \mathbf{x} - \mathbf{s} \rVert$? Avoid division by $r$, since $\mathbf{x}$ may be a site.
+# Return $F$ and its gradient at the points $\mathbf{x}$. Points and sites may be far from the
+# origin. What is the gradient of $r^3$ with $r = \lVert \mathbf{x} - \mathbf{s} \rVert$? Avoid
+# division by $r$, since $\mathbf{x}$ may be a site.
 #
 # Test your gradient by differences before you run the check: $\partial F / \partial x_1$ at
 # $\mathbf{x}$ should agree with $\big(F(\mathbf{x} + h \mathbf{e}_1) - F(\mathbf{x} - h
@@ -586,7 +589,7 @@ def beside(distance):
 #
 # ### 11.7 Newton's method
 #
-# Return the points after the given number of steps (11.9).
+# Return the points after the given number of steps (11.9); for 0 steps, the given points.
 
 
 # %% question="11.7" minutes=15 optional

@@ -184,7 +184,8 @@ print(nearest_node(line, np.array([[0.4], [1.7]])))
 # %% [markdown]
 # ### 12.1 The weights
 #
-# Return $\mathbf{H}$. The function must work on a line, in the plane and in space. The argument
+# Return $\mathbf{H}$. The function must work on a line, in the plane and in space. In the plane the
+# nodes do not all lie on one line, and in space they do not all lie in one plane. The argument
 # `points` contains the $\mathbf{y}_i$.
 #
 # <details><summary>Hint</summary>
@@ -669,7 +670,8 @@ def pulled_along(height):
 #
 # ### 12.10 The iterates
 #
-# Return all iterates of (12.9), a row for each.
+# Return all iterates of (12.9), a row for each. $\mathbf{K}$ is symmetric and positive definite,
+# here and in 12.11. The iterates may diverge, and `steps` may be 0.
 
 
 # %% question="12.10" minutes=15

@@ -408,7 +408,8 @@ print(32 * np.linalg.solve(system(three), [1 / 8, 1 / 8, 27 / 8, 1, 1 / 2])[:3])
 # ### 13.5 The matrix of a step
 #
 # Return $\mathbf{H}$: row $i$ has the weights (13.7) of the $k$ sites nearest to foot $i$, and
-# zeros elsewhere.
+# zeros elsewhere. Here $D + 1 \le k \le N$, the $k$ sites are unisolvent, and no two distances are
+# equal where it matters which site is nearer. The sites may be far from the origin.
 #
 # <details><summary>Hint</summary>
 #
@@ -441,7 +442,8 @@ check("13.5")
 #
 # Begin at the time 0 and make steps of length $\Delta t$. The departure points, by your `rk4`,
 # belong to the sites at the time of *arrival*, $t_{n+1} = (n + 1)\Delta t$. If the velocity
-# depends on time, departure points and $\mathbf{H}$ must be computed again in each step.
+# depends on time, departure points and $\mathbf{H}$ must be computed again in each step. Without
+# steps (`steps` = 0) the only row is $\mathbf{u}$.
 
 
 # %% question="13.6" minutes=15
@@ -586,12 +588,13 @@ def how_many_steps(sites):
 # `np.clip(new, low, high)` restricts the new values to their bounds. Such a scheme is called
 # *quasi-monotone* (Bermejo and Staniforth, *Monthly Weather Review* 120, 1992, pages 2622–2632).
 #
-# **Example.** For the sites 0, 1, 2, 3 on a line with the values 0, 0, 1, 0 and any departure
-# point, all four sites are nearest: $l = 0$ and $h = 1$.
+# **Example.** For the sites $(0, 0)$, $(1, 0)$, $(2, 0)$, $(3, 0)$ with the values 0, 0, 1, 0 and
+# any departure point, all four sites are nearest: $l = 0$ and $h = 1$.
 #
 # ### 13.8 The bounds
 #
-# Return both bounds of (13.8): `return low, high`.
+# Return both bounds of (13.8): `return low, high`. There are at least four sites, and no two
+# distances are equal where it matters which site is nearer. The sites may be far from the origin.
 
 
 # %% question="13.8" minutes=10
@@ -628,7 +631,8 @@ check("13.8")
 #
 # ### 13.9 Correction of the mass
 #
-# Return $\mathbf{v}$ of (13.9); the argument `total` is $M$.
+# Return $\mathbf{v}$ of (13.9); the argument `total` is $M$. Some $u_j$ may lie outside their
+# bounds. Values and areas may be of any size.
 #
 # <details><summary>Hint</summary>
 #
@@ -780,7 +784,8 @@ def out_and_back(steps):
 #
 # ### 13.11 Departure points for Burgers' equation
 #
-# Return the feet after the given number of rounds of (13.10).
+# Return the feet after the given number of rounds of (13.10). Without rounds (`rounds` = 0) they
+# are the sites. The sites may be in any order.
 
 
 # %% question="13.11" minutes=15 optional

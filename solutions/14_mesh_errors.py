@@ -223,16 +223,17 @@ print(triangles_at_vertices(5, SQUARE))
 #
 # $$ w_i = \min\{\, j : \lVert \mathbf{p}_j - \mathbf{p}_i \rVert \le \tau \,\} . \tag{14.1} $$
 #
-# A tolerance is needed since files round coordinates. We assume that copies of a point are much
-# closer together than $\tau$ and that different points are much farther apart. Otherwise the
-# result depends on the order of the points: for the points $0,\ 0.9,\ 1.8,\ 2.7$ on a line and
-# $\tau = 1$, (14.1) gives $w = (0, 0, 1, 2)$, so the vertex that replaces point 2 is itself
-# replaced by another one.
+# A tolerance is needed since files round coordinates; with $\tau = 0$ only equal points are
+# merged. Copies of a point should be much closer together than $\tau > 0$, and different points
+# much farther apart. Otherwise the result depends on the order of the points, and a vertex that
+# replaces another one may itself be replaced: for the points $0,\ 0.9,\ 1.8,\ 2.7$ on a line and
+# $\tau = 1$, (14.1) gives $w = (0, 0, 1, 2)$. Point 2 becomes point 1, and point 1 becomes point 0.
 #
 # ### 14.1 Merge
 #
-# Return $w_i$ for each vertex, counted from 0 as in Python. A vertex without an earlier one within
-# $\tau$ keeps its own number.
+# Return $w_i$ for each vertex, counted from 0 as in Python, also for such chains of points. A
+# vertex without an earlier one within $\tau$ keeps its own number. Points may be far from the
+# origin.
 #
 # <details><summary>Hint</summary>
 #
@@ -255,7 +256,8 @@ def weld(points, tolerance):
 check("14.1")
 
 # %% [markdown]
-# From now on a surface is a list of triangles; each row has the numbers of three vertices.
+# From now on a surface is a list of triangles; each row has the numbers of three different
+# vertices.
 #
 # ## Boundary edges and non-manifold edges
 #
@@ -417,10 +419,10 @@ def welding(exponent):
 # ### 14.4 Boundary loops
 #
 # Return for each of $n$ vertices the name of its loop, and $-1$ if the vertex is on no loop. For
-# the square of the example, with $n = 5$, the result is $0, 0, 0, 0, -1$. No two loops touch. Some
-# triangles may be inverted, so the boundary sides need not run the same way round. Some edges may
-# be non-manifold; they do not belong to the boundary. A triangle that is listed twice counts twice,
-# as in 14.2.
+# the square of the example, with $n = 5$, the result is $0, 0, 0, 0, -1$. Each vertex on the
+# boundary is on two boundary edges. Some triangles may be inverted, so the boundary sides need
+# not run the same way round. Some edges may be non-manifold; they do not belong to the boundary.
+# A triangle that is listed twice counts twice, as in 14.2.
 
 
 # %% question="14.4" minutes=10
@@ -525,7 +527,7 @@ def loops_and_fans():
 # ### 14.6 Orientation
 #
 # Return $+1$ for each triangle that stays and $-1$ for each triangle that must be inverted, so
-# that all neighbours agree. A *part* is a set of triangles that are connected across edges. The
+# that all neighbours agree. A *part* is a maximal set of triangles connected across edges. The
 # triangle of each part that is first in the list stays. If a part is not orientable, return 0 for
 # all its triangles. No edge has more than two triangles. The points are an argument too: are they
 # needed?
@@ -641,9 +643,10 @@ def strips(twists):
 #
 # ### 14.7 Flat triangles
 #
-# Return whether each triangle is flat. Needles, caps and very small triangles occur. Some triangles
-# are exactly degenerate: they name a vertex twice, or have corners at the same point. They are flat
-# for every $\tau \ge 0$. Avoid the division of zero by zero.
+# Return whether each triangle is flat. Needles, caps and very small triangles occur, also far from
+# the origin. Some triangles name a vertex twice, or have corners at the same point. They are
+# exactly degenerate, and flat for every $\tau \ge 0$. Avoid the division of zero by zero. Three
+# different corners exactly on a line occur with $\tau > 0$ only.
 
 
 # %% question="14.7" minutes=15
@@ -699,7 +702,8 @@ check("14.7")
 #
 # For each of $K$ pairs of a segment and a triangle, return whether (14.5) holds. No triangle is
 # degenerate. No segment touches an edge or a corner of its triangle. Some segments end in the plane
-# of the triangle or lie in this plane. The first condition does not hold for these segments.
+# of the triangle or lie in this plane. The first condition does not hold for these segments. Pairs
+# may be of any size, and far from the origin.
 #
 # <details><summary>Hint</summary>
 #

@@ -37,7 +37,7 @@ def by_projecting_the_corner_away(q):
 
 @answers("06.1")
 def by_gradients(q):
-    gradients = np.linalg.inv(np.column_stack([np.ones(3), q]))[1:].T
+    gradients = np.linalg.inv(np.column_stack([np.ones(3), q - q[0]]))[1:].T
     return -gradients / np.hypot(gradients[:, 0], gradients[:, 1])[:, None]
 
 

@@ -26,12 +26,8 @@ def determinant_of_four(a, b, c, d):
 
 
 @answers("08.1")
-def from_distances_alone(a, b, c, d):
-    p = np.array([a, b, c, d])
-    m = np.ones((5, 5))
-    m[1:, 1:] = ((p[:, None] - p) ** 2).sum(axis=2)
-    m[0, 0] = 0
-    return math.sqrt(np.linalg.det(m) / 288)
+def product_of_the_heights(a, b, c, d):
+    return np.prod(np.abs(np.diag(np.linalg.qr(np.array([b - a, c - a, d - a]).T)[1]))) / 6
 
 
 @answers("08.2")

@@ -16,6 +16,13 @@ def on_the_line_and_in_four_dimensions(seed):
     )
 
 
+@hidden("02.1", "It must hold for any number of points.")
+def many_points(seed):
+    random = np.random.default_rng(seed + 10)
+    given = random.normal(size=(71, 3)), random.normal(size=3), 0.7
+    return (Call("weights", given, "many points in space"),)
+
+
 @hidden(
     "02.2", "It must hold in every dimension, and a common factor of the weights must not matter."
 )
@@ -51,6 +58,20 @@ def unusual_places(seed):
         Call("field", (plane, random.normal(size=20), 3 + random.random((4, 2)), 0.3), "outside"),
         Call("field", (plane, random.normal(size=20), 0.4 + close, 0.2), "points close together"),
     )
+
+
+@hidden("02.4", "It must hold for any number of evaluation points and of measurements.")
+def many_evaluation_points(seed):
+    random = np.random.default_rng(seed + 8)
+    given = random.random((43, 3)), random.normal(size=43), random.random((71, 3)), 0.4
+    return (Call("field", given, "many evaluation points in space"),)
+
+
+@hidden("02.7", "It must hold for any number of evaluation points and of measurements.")
+def many_gradients(seed):
+    random = np.random.default_rng(seed + 9)
+    given = random.random((43, 2)), random.normal(size=43), random.random((71, 2)), 0.4
+    return (Call("gradient", given, "many evaluation points in the plane"),)
 
 
 @hidden("02.5", "It must hold on the line, and for other ε than the shown.")

@@ -23,6 +23,35 @@ def in_four_dimensions(seed):
     return (Call("system_matrix", (points,), "nine points in four dimensions"),)
 
 
+@hidden("03.1", "It must hold for any number of vectors.")
+def a_large_table(seed):
+    table = np.random.default_rng(seed + 7).normal(size=(17, 19, 3))
+    return (Call("kernel", (table,), "a table of seventeen times nineteen vectors"),)
+
+
+@hidden("03.2", "It must hold for any number of points.")
+def many_points(seed):
+    random = np.random.default_rng(seed + 8)
+    return (
+        Call("system_matrix", (cloud(random, 43, 2),), "forty-three points"),
+        Call("system_matrix", (cloud(random, 45, 3),), "forty-five points in space"),
+    )
+
+
+@hidden("03.4", "It must hold for any number of centres and of evaluation points.")
+def many_evaluation_points(seed):
+    random = np.random.default_rng(seed + 9)
+    points, lam, c = cloud(random, 45, 3), random.normal(size=45), random.normal(size=4)
+    return (Call("evaluate", (points, lam, c, random.random((71, 3))), "many points in space"),)
+
+
+@hidden("03.6", "It must hold for any number of centres and of evaluation points.")
+def many_gradients(seed):
+    random = np.random.default_rng(seed + 10)
+    points, lam, c = cloud(random, 43, 2), random.normal(size=43), random.normal(size=3)
+    return (Call("gradient", (points, lam, c, random.random((71, 2))), "many points"),)
+
+
 @hidden("03.3", "It must hold for other numbers of points and other dimensions than the shown.")
 def on_the_line(seed):
     random = np.random.default_rng(seed + 3)

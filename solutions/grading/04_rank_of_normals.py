@@ -27,6 +27,7 @@ def in_four_dimensions(seed):
             (random.normal(size=(2, 5)), random.normal(size=(2, 5))),
             "five dimensions",
         ),
+        Call("velocity_matrix", (cloud(random, 101, 2), directions(random, 101)), "101 samples"),
     )
 
 
@@ -49,6 +50,15 @@ def many_samples(seed):
         Call(
             "tangent_field", (points, perpendicular_vectors(points, flow(random))), "forty samples"
         ),
+    )
+
+
+@hidden("04.4", "It must hold for any number of points.")
+def many_points(seed):
+    random = np.random.default_rng(seed + 6)
+    return tuple(
+        Call("crossing_normals", (cloud(random, n, 2) - [1.1, 0.0], flow(random)), f"{n} points")
+        for n in (67, 101)
     )
 
 

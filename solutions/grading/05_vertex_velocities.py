@@ -53,7 +53,17 @@ def short_and_long(seed):
     return (
         Call("midpoints_and_normals", (1e-10 * points, sides(triangles)), "a small mesh"),
         Call("midpoints_and_normals", (1e4 * points, sides(triangles)), "a large mesh"),
+        *(
+            Call("midpoints_and_normals", (p, sides(t)), f"a mesh of {len(t)} triangles")
+            for p, t in (mesh(random, 9, 10), mesh(random, 13, 12))
+        ),
     )
+
+
+@hidden("05.3", "It must hold for any number of points.")
+def many_points(seed):
+    random = np.random.default_rng(seed + 7)
+    return tuple(Call("rotation", (random.random((n, 2)),), f"{n} points") for n in (67, 101))
 
 
 @hidden("05.4", "It must hold for any velocities, not only for those of a rotation.")
@@ -64,6 +74,18 @@ def one_edge(seed):
             "normal_velocities",
             (np.array([[2, 0]]), random.normal(size=(1, 2)), random.normal(size=(3, 2))),
             "one edge",
+        ),
+        *(
+            Call(
+                "normal_velocities",
+                (
+                    np.add.outer(np.arange(n), random.choice(80, 2, replace=False)) % 90,
+                    random.normal(size=(n, 2)),
+                    random.normal(size=(90, 2)),
+                ),
+                f"{n} edges",
+            )
+            for n in (67, 101)
         ),
     )
 
@@ -84,6 +106,17 @@ def independent_first(normals, y):
     """Return an order of edges in which the first six determine a field as well as any six do."""
     rows = np.column_stack([normals, normals[:, :1] * y, normals[:, 1:] * y])
     return qr(rows.T, pivoting=True, mode="r")[1]
+
+
+@hidden("05.7", "It must hold for any number of edges.")
+def many_edges(seed):
+    random = np.random.default_rng(seed + 8)
+    normals = random.normal(size=(101, 2))
+    normals /= np.hypot(*normals.T)[:, np.newaxis]
+    return (
+        Call("system", (random.random((101, 2)), normals, random.random(2)), "101 edges"),
+        Call("system", (random.random((67, 2)), normals[:67], random.random(2)), "67 edges"),
+    )
 
 
 @hidden(

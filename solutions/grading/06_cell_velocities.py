@@ -3,6 +3,7 @@
 import numpy as np
 
 from fieldcheck.calls import Call
+from fieldcheck.questions.q05_edges import mesh
 from fieldcheck.questions.q06_cell_velocities import normal_velocities, obtuse
 from fieldgrade.authoring.hidden_cases import hidden
 
@@ -60,15 +61,21 @@ def circumcentre_of_a_right_angle(seed):
     random = np.random.default_rng(seed + 4)
     nearly = right_angle(random, 1.0) + 3e-4 * random.uniform(-1, 1, (3, 2))
     return (
-        *(Call("circumcentre", (right_angle(random, size),), "a triangle") for size in (1e-2, 1.0)),
-        Call("circumcentre", (nearly,), "nearly a right angle"),
+        *(Call("circumcenter", (right_angle(random, size),), "a triangle") for size in (1e-2, 1.0)),
+        Call("circumcenter", (nearly,), "nearly a right angle"),
     )
 
 
 @hidden("06.5", "The number s may be negative, and there may be one point only.")
 def inflow(seed):
     random = np.random.default_rng(seed + 7)
-    return (Call("truth", (random.normal(size=(1, 2)), random.normal(size=2), -1.3), "one point"),)
+    return (
+        Call("truth", (random.normal(size=(1, 2)), random.normal(size=2), -1.3), "one point"),
+        *(
+            Call("truth", (random.normal(size=(n, 2)), random.normal(size=2), 0.73), f"{n} points")
+            for n in (67, 101)
+        ),
+    )
 
 
 @hidden("06.6", "It must hold for every mesh, and for any rate of expansion.")
@@ -77,7 +84,10 @@ def of_two_cells(seed):
     points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]) + random.uniform(
         -0.2, 0.2, (4, 2)
     )
-    return (Call("errors", (points, np.array([[0, 1, 2], [3, 0, 2]]), -1.7), "two cells"),)
+    return (
+        Call("errors", (points, np.array([[0, 1, 2], [3, 0, 2]]), -1.7), "two cells"),
+        Call("errors", (*mesh(random, 6, 6), 0.66), "a mesh of 74 triangles"),
+    )
 
 
 @hidden("06.8", "It must hold outside of the triangle too, and at a corner.")

@@ -4,6 +4,7 @@ import numpy as np
 
 from fieldcheck.calls import Call
 from fieldcheck.questions.q07_voronoi_coordinates import (
+    beyond_edges,
     mirror_images,
     octagon,
     on_edges,
@@ -30,11 +31,11 @@ def far_and_flat(seed):
     )
 
 
-@hidden("07.4", "It must hold for three neighbours and for ten.")
+@hidden("07.4", "It must hold for three neighbours, for ten, and for more.")
 def few_and_many(seed):
     random = np.random.default_rng(seed + 2)
     calls = []
-    for n in (3, 10):
+    for n in (3, 10, 47):
         center, rim, corners = star(random, n, clockwise=n == 10)
         x = point_for_weights(random, center, rim, corners)
         calls.append(Call("weights", (center, rim, corners, x), f"{n} neighbours"))
@@ -56,15 +57,24 @@ def far_outside(center, rim, corners):
     return tried[np.argsort(np.abs(c.sum(axis=1)) / np.abs(c).sum(axis=1))[-2:]]
 
 
-@hidden("07.5", "There may be one point only.")
+@hidden("07.5", "There may be one point only, or hundreds.")
 def one_place(seed):
     random = np.random.default_rng(seed + 3)
     center, rim, corners = star(random, 5)
     x = points_inside(random, center, corners, 1)
     far = far_outside(center, rim, corners)
+    *four, ends = star(random, 4)
+    many = points_inside(random, four[0], ends, 101)
+    *large, around = star(random, 45)
     return (
         Call("coordinates", (center, rim, corners, x), "one point among five neighbours"),
         Call("coordinates", (center, rim, corners, far), "two points far outside"),
+        Call("coordinates", (*four, ends, many), "101 points among four neighbours"),
+        Call(
+            "coordinates",
+            (*large, around, points_inside(random, large[0], around, 2)),
+            "45 neighbours",
+        ),
     )
 
 
@@ -74,7 +84,12 @@ def few_points(seed):
     center, corners = uneven_cell(random, 5, False)
     return tuple(
         Call("spiral", (center, corners, steps), f"{words} among five neighbours")
-        for steps, words in ((1, "one point"), (3, "three points"), (1000, "a thousand points"))
+        for steps, words in (
+            (1, "one point"),
+            (3, "three points"),
+            (197, "197 points"),
+            (1000, "a thousand points"),
+        )
     )
 
 
@@ -88,6 +103,9 @@ def on_other_edges(seed):
     at_corners = (np.zeros(2), mirror_images(np.zeros(2), square), square)
     tiny = tuple(2.0**-33 * part for part in uneven)
     *many, ten = star(random, 10)
+    beyond = beyond_edges(corners, 1 / 16)
+    *four, ends = star(random, 4)
+    *large, around = star(random, 45)
     name = "safe_coordinates"
     return (
         Call(name, uneven, "the edges and corners of an uneven cell", exact=(0, 1, 2)),
@@ -99,4 +117,7 @@ def on_other_edges(seed):
         Call(
             name, (*uneven[:2], far_outside(*uneven[:2], corners)), "points far outside an octagon"
         ),
+        Call(name, (*uneven[:2], beyond), "points on extended edges", exact=(0, 1, 2)),
+        Call(name, (*four, points_inside(random, four[0], ends, 101)), "101 points"),
+        Call(name, (*large, points_inside(random, large[0], around, 2)), "45 neighbours"),
     )

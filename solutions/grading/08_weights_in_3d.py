@@ -45,7 +45,7 @@ def nearly_in_one_plane(seed):
 def few_and_many(seed):
     random = np.random.default_rng(seed + 2)
     calls = []
-    for n in (3, 9):
+    for n in (3, 9, 45):
         center, neighbors, cells, corners = star(random, n)
         (x,) = points_inside(random, center, corners, 1)
         calls.append(Call("weights", (center, neighbors, cells, corners, x), f"{n + 2} neighbours"))
@@ -64,7 +64,7 @@ def few_and_many(seed):
     )
 
 
-@hidden("08.8", "There may be one point only, points outside, small cells, and whole numbers.")
+@hidden("08.8", "There may be one point or many, points outside, small cells, and whole numbers.")
 def one_place(seed):
     random = np.random.default_rng(seed + 3)
     center, neighbors, _, corners = star(random, 5)
@@ -78,6 +78,8 @@ def one_place(seed):
             "two points in a small cell",
         ),
         Call("heights", (center, integers(neighbors), integers(x)), "whole numbers"),
+        Call("heights", (center, neighbors, center + random.normal(size=(101, 3))), "101 points"),
+        Call("heights", (center, center + random.normal(size=(45, 3)), x), "45 neighbours"),
     )
 
 
@@ -99,6 +101,8 @@ def on_other_faces(seed):
     around = (*prism[:3], points_outside(*prism[:3], np.vstack([low, high])))
     whole, side = random.integers(-9, 10, 3), random.integers(3, 9, 3)
     beside = whole + random.integers(-2, 3, (5, 3))
+    *four, ends = star(random, 4)
+    *large, round_ends = star(random, 43)
     name = "coordinates"
     return (
         Call(name, prism, "corners, edges and a face of a prism", exact=(0, 1, 3)),
@@ -110,4 +114,6 @@ def on_other_faces(seed):
             (whole.astype(float), *cuboid(whole, side)[:2], beside),
             "points in a cuboid, in whole numbers",
         ),
+        Call(name, (*four, points_inside(random, four[0], ends, 101)), "101 points"),
+        Call(name, (*large, points_inside(random, large[0], round_ends, 2)), "45 neighbours"),
     )

@@ -8,7 +8,7 @@ from fieldcheck.questions.q09_kernels import ring
 from fieldgrade.authoring.hidden_cases import hidden
 
 
-@hidden("09.1", "The degree may be any, and there may be one point only.")
+@hidden("09.1", "The degree may be any, and there may be one point only, or many.")
 def other_degrees(seed):
     random = np.random.default_rng(seed + 1)
     return (
@@ -18,6 +18,7 @@ def other_degrees(seed):
         Call("monomials", (random.normal(size=(4, 2)), 1), "four points and the degree 1"),
         Call("monomials", (random.normal(size=(6, 2)), 0), "six points and the degree 0"),
         Call("monomials", (random.normal(size=(1, 2)), -1), "one point and no polynomial"),
+        Call("monomials", (random.normal(size=(101, 2)), 2), "101 points and the degree 2"),
     )
 
 
@@ -110,6 +111,12 @@ def other_fields(seed):
             "k = 4 and the degree 0",
         ),
         Call("interpolate", (points, values, 3, 1, points[3:4] + 0.1), "k = 3 and one point"),
+        Call("interpolate", (points, values, 3, 1, random.random((101, 2))), "101 points"),
+        Call(
+            "interpolate",
+            (cloud(random, 45, 2), random.normal(size=45), 1, 0, random.random((5, 2))),
+            "45 points",
+        ),
     )
 
 
@@ -138,9 +145,11 @@ def anywhere(seed):
 
 @hidden("09.7", "The points come in any order, and one point has a value and a slope too.")
 def one_and_many(seed):
-    x = np.random.default_rng(seed + 7).normal(size=9)
+    random = np.random.default_rng(seed + 7)
+    x = random.normal(size=9)
     return (
         Call("slope_matrix", (x,), "nine points"),
+        Call("slope_matrix", (cloud(random, 43, 1)[:, 0],), "43 points"),
         Call("slope_matrix", (x[:1],), "one point"),
         Call("slope_matrix", (2.0**-13 * x[:4],), "four points 10⁻⁴ apart"),
     )

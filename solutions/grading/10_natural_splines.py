@@ -21,6 +21,13 @@ def many_sites(seed):
     return (
         Call("from_truncated", (sites, alpha, random.normal(size=2)), "twelve sites"),
         Call("from_truncated", (sites, alpha, random.integers(1, 9, 2)), "a whole-number line"),
+        *(
+            Call("from_truncated", (where, without_moments(random, where), sites[:2]), case)
+            for where, case in (
+                (random.permutation(line(random, 61)) / 10, "61 sites"),
+                (sites, "twelve sites, other coefficients"),
+            )
+        ),
     )
 
 
@@ -36,12 +43,15 @@ def other_numbers(seed):
             (random.permutation(whole_line(random, 9)), random.integers(-9, 10, 9)),
             "nine sites in whole numbers",
         ),
+        Call("radial_spline", (many, 3 + 0 * many), "sixteen equal values"),
+        Call("radial_spline", (line(random, 47) / 3, random.normal(size=47)), "47 sites"),
     )
 
 
 @hidden(
     "10.3",
-    "It must hold for steps of very different lengths, for many sites, and for whole numbers.",
+    "It must hold for steps of very different lengths, for many sites, far away, and for whole "
+    "numbers.",
 )
 def uneven_steps(seed):
     random = np.random.default_rng(seed + 3)
@@ -51,6 +61,8 @@ def uneven_steps(seed):
         Call("moments", (line(random, 40), random.integers(-9, 10, 40)), "forty sites"),
         Call("moments", (2.0**-40 * sites, 2.0**-110 * random.normal(size=9)), "close sites"),
         Call("moments", (whole_line(random, 8), random.normal(size=8)), "whole-number sites"),
+        Call("moments", (whole_line(random, 47), random.normal(size=47)), "47 sites"),
+        Call("moments", (line(random, 7) + 3e4, sites[:7]), "sites far away", exact=(0,)),
     )
 
 
@@ -90,6 +102,18 @@ def points_in_any_order(seed):
             ),
             "two sites",
         ),
+        Call(
+            "piecewise",
+            (sites, heights, bends, random.uniform(sites[0] - 3, sites[-1] + 3, 331)),
+            "331 points",
+        ),
+        Call("piecewise", (*natural_data(random, 43), np.append(x, 9 * x)), "43 sites"),
+        *(
+            Call("piecewise", (size * sites, heights, bends / size**2, size * x), case)
+            for size, case in ((2.0**20, "sites far apart"), (2.0**-40, "very close sites"))
+        ),
+        Call("piecewise", (sites, 0 * heights, 0 * bends, x), "values that are zero"),
+        Call("piecewise", (sites - 2e4, heights, bends, x - 2e4), "sites far away", exact=(0, 3)),
     )
 
 
@@ -101,7 +125,7 @@ def two_sites_or_many(seed):
     return (
         Call(
             "truncated",
-            (two, random.integers(1, 9, 2), np.zeros(2, dtype=int)),
+            (two, random.permutation(9)[:2], np.zeros(2, dtype=int)),
             "two sites",
         ),
         Call("truncated", natural_data(random, 10), "ten sites"),
@@ -112,8 +136,11 @@ def two_sites_or_many(seed):
                 (2.0**-30, 1.0, "close sites"),
                 (1.0, 2.0**-30, "small values"),
                 (2.0**-40, 2.0**-40, "close sites with small values"),
+                (2.0**20, 2.0**-40, "sites far apart with small moments"),
+                (2.0**10, 1.0, "sites far apart"),
             )
         ),
+        Call("truncated", natural_data(random, 61), "61 sites"),
     )
 
 
@@ -124,6 +151,10 @@ def any_broken_line(seed):
         Call("energy", (line(random, 15), random.normal(size=15)), "fifteen sites"),
         Call("energy", (line(random, 2), random.normal(size=2)), "one interval"),
         Call("energy", (line(random, 9), random.integers(-9, 10, 9)), "moments in whole numbers"),
+        Call("energy", (line(random, 67), random.normal(size=67)), "67 sites"),
+        Call("energy", (line(random, 9), 2.0**-40 * random.normal(size=9)), "small moments"),
+        Call("energy", (2.0**30 * line(random, 7), random.normal(size=7)), "sites far apart"),
+        Call("energy", (line(random, 8) + 2e4, random.normal(size=8)), "far away", exact=(0,)),
     )
 
 
@@ -141,4 +172,9 @@ def knots_of_any_kind(seed):
         Call("b_splines", (ends, 3, np.append(x, ends)), "fourfold ends", exact=(0, 2)),
         Call("b_splines", (2.0**-44 * t, 3, 2.0**-44 * x), "close knots", exact=(0, 2)),
         Call("b_splines", (t, 2, x[:1]), "one point", exact=(0, 2)),
+        *(
+            Call("b_splines", (t, k, random.uniform(t[0] - 1, t[-1] + 1, n)), f"{n} points")
+            for k, n in ((3, 67), (1, 101))
+        ),
+        Call("b_splines", (t - 3e6, 3, x - 3e6), "knots far away", exact=(0, 2)),
     )

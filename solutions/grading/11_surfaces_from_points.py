@@ -4,11 +4,13 @@ import numpy as np
 
 from fieldcheck.calls import Call
 from fieldcheck.questions.q11_point_clouds import (
+    circles,
     drop,
     horseshoe,
     moved_far,
     near,
     outward,
+    outward_of_circles,
     outward_of_drop,
     random_signs,
     sheet,
@@ -18,6 +20,7 @@ from fieldcheck.questions.q11_point_clouds import (
 from fieldcheck.questions.q11_zero_levels import (
     beside_a_site,
     body,
+    first_in_a_plane,
     in_another_unit,
     near_diagonals,
     points_about_origin,
@@ -33,6 +36,9 @@ def other_numbers(seed):
         Call("normals", (random.normal(size=(9, 2)), 9), "all points"),
         Call("normals", (horseshoe(random, 25), 3), "three neighbours"),
         Call("normals", (2.0**-24 * torus(random, 4, 7), 6), "close points"),
+        Call("normals", (horseshoe(random, 67), 5), "67 points"),
+        Call("normals", (torus(random, 7, 15), 7), "105 points"),
+        Call("normals", (sheet(random, 43), 6), "43 points in a plane", exact=(0,)),
     )
 
 
@@ -44,6 +50,8 @@ def two_neighbours(seed):
         Call("linked", (random.normal(size=(7, 3)), 7), "all of them"),
         Call("linked", (2.0**-40 * random.normal(size=(9, 3)), 3), "close points"),
         Call("linked", (random.normal(size=(12, 2)) + 3e7, 3), "points far away"),
+        Call("linked", (random.normal(size=(67, 2)), 4), "67 points"),
+        Call("linked", (random.normal(size=(101, 3)), 3), "101 points"),
     )
 
 
@@ -64,6 +72,26 @@ def sheet_in_space(seed):
     points = sheet(random, 20)
     given = random_signs(random, upward_of_sheet(points))
     return (Call("orient", (points, given, near(points, 5)), "a sheet in space"),)
+
+
+@hidden("11.3", "Lengths may be large or small, and a component may be a single point.")
+def other_units(seed):
+    random = np.random.default_rng(seed + 12)
+    points = horseshoe(random, 43, 0.1)
+    normals, links = outward(points), near(points, 4)
+    ring, around = circles(random)
+    return (
+        *(
+            Call("orient", (size * points, random_signs(random, normals), links), case)
+            for size, case in ((2.0**-34, "close points"), (2.0**30, "points far apart"))
+        ),
+        Call(
+            "orient",
+            (2.0**-40 * ring, random_signs(random, outward_of_circles(ring)), around),
+            "two circles of close points",
+        ),
+        Call("orient", (points[:1], normals[:1], np.zeros((1, 1))), "one point"),
+    )
 
 
 @hidden("11.3", "A normal may be nearly perpendicular to that of its neighbour in the tree.")
@@ -116,6 +144,10 @@ def far_away(seed):
             "points very far away",
             exact=(0,),
         ),
+        *(
+            Call("off_surface", (many, outward(many), 0.9), f"{len(many)} points")
+            for many in (torus(random, 7, 37), horseshoe(random, 67))
+        ),
     )
 
 
@@ -137,6 +169,18 @@ def other_dimensions(seed):
             ),
             "sites in whole numbers, in space",
         ),
+        Call(
+            "implicit",
+            (first_in_a_plane(random, 11, 3), random.normal(size=11)),
+            "the first sites in a plane",
+            exact=(0,),
+        ),
+        *(
+            Call("implicit", (size * random.normal(size=(7, d)), random.normal(size=7)), case)
+            for size, d, case in ((2.0**4, 2, "large lengths"), (2.0**-6, 3, "small lengths"))
+        ),
+        Call("implicit", (random.normal(size=(61, 2)), random.normal(size=61)), "61 sites"),
+        Call("implicit", (random.normal(size=(7, 3)), np.zeros(7, dtype=int)), "zeros"),
     )
 
 
@@ -161,6 +205,10 @@ def in_four_dimensions(seed):
             in_another_unit(2.0**-12, points_about_origin(random, 5, 3), *space),
             "close points",
         ),
+        *(
+            Call("field", (points_about_origin(random, n, d), *body(random, d, k)), f"{n} points")
+            for n, d, k in ((67, 2, 5), (101, 3, 4), (7, 3, 61))
+        ),
     )
 
 
@@ -179,6 +227,10 @@ def no_steps(seed):
         Call("to_surface", (*in_another_unit(2.0**12, x, *coefficients), 3), "large steps"),
         Call("to_surface", (x[:1], *coefficients, 3), "one point"),
         Call("to_surface", (np.rint(large).astype(int), *others, 3), "whole numbers"),
+        *(
+            Call("to_surface", (near_diagonals(random, n, 3), *coefficients, 2), f"{n} points")
+            for n in (67, 101)
+        ),
     )
 
 
@@ -194,4 +246,10 @@ def steep(seed):
         Call("pieces", (2.0**-40 * signs * sizes,), "four squares with small values"),
         Call("pieces", (2.0**-600 * signs * sizes,), "four squares with tiny values"),
         Call("pieces", ((signs * sizes)[1:2],), "a single square"),
+        *(
+            Call(
+                "pieces", (random.choice(signs, n) * random.uniform(1, 9, (n, 4)),), f"{n} squares"
+            )
+            for n in (67, 101)
+        ),
     )

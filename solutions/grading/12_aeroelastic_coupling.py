@@ -29,6 +29,11 @@ def outside(seed):
             "nodes on a line that are integers",
         ),
         Call("weights", (nodes, nodes[[1, 4]] + [[1e-4], [-1e-6]]), "points beside nodes"),
+        Call("weights", (nodes, random.uniform(-0.2, 1.2, (67, 2))), "67 points"),
+        Call("weights", (nodes[1:], random.uniform(-0.2, 1.2, (101, 2))), "101 points"),
+        Call("weights", (grid(random, 7, 7), random.uniform(0, 3, (5, 2))), "49 nodes"),
+        Call("weights", (grid(random, 43), random.uniform(0, 20, (5, 1))), "43 nodes on a line"),
+        Call("weights", (nodes / 16, random.uniform(0, 0.06, (4, 2))), "close nodes"),
     )
 
 
@@ -53,6 +58,10 @@ def one_force(seed):
             "loads",
             (np.array([[1, 0], [0, 1], [1, 0]]), random.normal(size=(3, 3))),
             "weights in whole numbers",
+        ),
+        *(
+            Call("loads", (transfer(random, m, n), random.normal(size=(m, 3))), f"{m} forces")
+            for m, n in ((67, 43), (101, 3))
         ),
     )
 
@@ -80,6 +89,21 @@ def forces_that_cancel(seed):
             (points[[0, 0, 0]], pushes[[0, 1, 0]], points[1]),
             "three forces at one point, two of them equal",
         ),
+        Call(
+            "resultants",
+            (random.normal(size=(69, 3)), random.normal(size=(69, 3)), points[1]),
+            "69 forces",
+        ),
+        Call(
+            "resultants",
+            (points, pushes * [[1], [0], [1], [1]], points[2]),
+            "a force that is zero, and one at the point of the moment",
+        ),
+        Call(
+            "resultants",
+            (random.normal(size=(101, 3)), random.normal(size=(101, 3)), points[3]),
+            "101 forces",
+        ),
     )
 
 
@@ -95,6 +119,14 @@ def uneven_areas(seed):
         Call("densities", (h, pressures, areas), "uneven areas"),
         Call("densities", (h, pressures, 2.0**-40 * areas), "small areas"),
         Call("densities", (h, pressures, 2.0**-60 * areas), "smaller areas"),
+        *(
+            Call(
+                "densities",
+                (transfer(random, m, n), random.normal(size=m), random.uniform(0.5, 2, m)),
+                f"{m} points",
+            )
+            for m, n in ((67, 43), (101, 3))
+        ),
     )
 
 
@@ -115,6 +147,9 @@ def at_nodes(seed):
             (random.permutation(9)[:, None], random.uniform(0, 8, (3, 1))),
             "nodes on a line that are integers",
         ),
+        Call("slopes", (grid(random, 7, 7), random.uniform(0, 3, (5, 2))), "49 nodes"),
+        Call("slopes", (grid(random, 3, 2), random.uniform(0, 1, (67, 2))), "67 points"),
+        Call("slopes", (grid(random, 5), random.uniform(0, 2, (101, 1))), "101 points on a line"),
     )
 
 
@@ -140,6 +175,19 @@ def on_both_sides(seed):
             (nodes, points[[0, 0, 1]] * [1, 1, 0.5], random.integers(-9, 10, (3, 3))),
             "two forces at one point and one below the plate, in whole numbers",
         ),
+        *(
+            Call(
+                "flat_loads",
+                (nodes, random.uniform(0, 1, (m, 3)), random.normal(size=(m, 3))),
+                f"{m} forces",
+            )
+            for m in (61, 67)
+        ),
+        Call(
+            "flat_loads",
+            (grid(random, 7, 7), 2 * points, random.normal(size=(6, 3))),
+            "49 nodes",
+        ),
     )
 
 
@@ -152,6 +200,7 @@ def longer_and_shorter(seed):
         Call("iterates", (*section(random, 0.3), 1.2, 0), "no step"),
         Call("iterates", (*whole, 0.5, 4), "a section in whole numbers"),
         Call("iterates", (*wing(random, 3, 4), 0.1, 300), "small steps"),
+        Call("iterates", (*wing(random, 61, 9), 1, 3), "61 nodes"),
     )
 
 
@@ -172,4 +221,5 @@ def other_sections(seed):
     ):
         loads = load * springs @ growth
         calls.append(Call("divergence", (stiff * springs, np.eye(3), loads), case))
-    return tuple(calls)
+    chain = wing(random, 47, 3)[:2]
+    return (*calls, Call("divergence", (*chain, np.diag([1.0, 0.5, 0.7])), "47 nodes"))

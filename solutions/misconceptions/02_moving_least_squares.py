@@ -720,6 +720,20 @@ def all_of_the_value_left_out(points, values, epsilon):
     return left_out_where(lambda i: values == values[i], points, values, epsilon)
 
 
+@answers("02.9", named=False)
+def by_the_shortcut(points, values, epsilon):
+    """If ε is far smaller than the spacing of the points, both sides of the quotient lose their
+    digits.
+    """
+    rows = []
+    for p, v in zip(points, values):
+        b, w = basis(points - p), weight(points, p, epsilon) ** 2
+        a = np.linalg.solve((b.T * w) @ b, b.T * w)[0]
+        itself = np.argmin(np.abs(values - v) + distances(points, p))
+        rows.append((v - a @ values) / (1 - a[itself]))
+    return np.array(rows)
+
+
 @answers("02.9")
 def squared_errors(points, values, epsilon):
     """These are the squares of the errors. (2.10) defines the errors with their signs."""

@@ -280,7 +280,7 @@ def residual_as_a_vector(q, v):
     return outward(q) @ solved(outward(q), v) - v
 
 
-# 06.4 circumcentre
+# 06.4 circumcenter
 
 
 @answers("06.4")

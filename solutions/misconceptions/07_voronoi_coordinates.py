@@ -241,6 +241,22 @@ def origin_for_corner(a, b, c):
     return abs(cross(b, c)) / 2
 
 
+@answers("07.3", named=False)
+def heron(a, b, c):
+    """In a needle the sum of two sides is nearly the third one, and their difference has lost its
+    digits.
+    """
+    x, y, z = (np.linalg.norm(e) for e in (b - a, c - b, a - c))
+    s = (x + y + z) / 2
+    return np.sqrt(max(s * (s - x) * (s - y) * (s - z), 0.0))
+
+
+@answers("07.3", named=False)
+def shoelace(a, b, c):
+    """Far from the origin the products of the coordinates themselves lose digits."""
+    return abs(cross(a, b) + cross(b, c) + cross(c, a)) / 2
+
+
 # 07.4
 
 

@@ -75,6 +75,25 @@ def angles_forgotten(a, b, c, d):
     return np.linalg.norm(b - a) * np.linalg.norm(c - a) * np.linalg.norm(d - a) / 6
 
 
+@answers("08.1", named=False)
+def from_distances_alone(a, b, c, d):
+    """The determinant of the squared distances is proportional to the square of the volume, so that
+    of a sliver has lost its digits.
+    """
+    p = np.array([a, b, c, d])
+    m = np.ones((5, 5))
+    m[1:, 1:] = ((p[:, None] - p) ** 2).sum(axis=2)
+    m[0, 0] = 0
+    return np.sqrt(max(np.linalg.det(m), 0.0) / 288)
+
+
+@answers("08.1", named=False)
+def products_of_the_corners(a, b, c, d):
+    """Far from the origin the products of the coordinates themselves lose digits."""
+    triples = ((b, c, d), (a, d, c), (a, b, d), (b, a, c))
+    return abs(sum(p @ np.cross(q, r) for p, q, r in triples)) / 6
+
+
 # 08.2
 
 

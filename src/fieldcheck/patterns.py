@@ -43,11 +43,13 @@ SPACES = {1: "on a line", 2: "in the plane", 3: "in space"}
 class Case:
     """The returned and the right arrays of a call, in normal form.
 
-    `dimension` is the number of columns of the first table among the arguments, whose rows are
-    points in most questions; `whole` contains the positions of the arrays of integers.
+    `rows` and `dimension` are the numbers of rows and columns of the first table among the
+    arguments, whose rows are points in most questions; `whole` contains the positions of the arrays
+    of integers.
     """
 
     name: str
+    rows: int
     dimension: int
     whole: frozenset[int]
     values: Values
@@ -89,7 +91,7 @@ def pattern(
     cases = [
         Case(
             call.case,
-            _dimension(call),
+            *_first_table(call),
             frozenset(k for k, a in enumerate(call.arguments) if _is_whole(a)),
             question.normal_form(call, v),
             question.normal_form(call, r),
@@ -124,12 +126,14 @@ def _where(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
         return f"Your values are wrong only for {wrong[0].name}."
     if len(right) == 1:
         return f"Your values are right only for {right[0].name}."
-    return _dimensions({case.dimension for case in right}, {case.dimension for case in wrong})
+    return _dimensions(
+        {case.dimension for case in right}, {case.dimension for case in wrong}
+    ) or _sizes({case.rows for case in right}, {case.rows for case in wrong})
 
 
-def _dimension(call: Call) -> int:
+def _first_table(call: Call) -> tuple[int, int]:
     tables = (a for a in call.arguments if isinstance(a, np.ndarray) and a.ndim == 2)
-    return next((table.shape[1] for table in tables), 0)
+    return next((table.shape for table in tables), (0, 0))
 
 
 def _dimensions(right: set[int], wrong: set[int]) -> str:
@@ -138,6 +142,19 @@ def _dimensions(right: set[int], wrong: set[int]) -> str:
         return ""
     below, above = (" and ".join(SPACES[d] for d in sorted(these)) for these in (right, wrong))
     return f"Your values are right {below}, and wrong {above}."
+
+
+def _sizes(right: set[int], wrong: set[int]) -> str:
+    """Recognise that all short tables are wrong and all long ones are right, or the opposite."""
+    if not right or 0 in right | wrong:
+        return ""
+    if max(wrong) < min(right):
+        these, others = f"{min(right)} or more", f"{max(wrong)} or fewer"
+    elif max(right) < min(wrong):
+        these, others = f"{max(right)} or fewer", f"{min(wrong)} or more"
+    else:
+        return ""
+    return f"Your values are right for {these} rows, and wrong for {others}."
 
 
 def _is_whole(argument: object) -> bool:

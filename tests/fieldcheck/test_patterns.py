@@ -41,10 +41,13 @@ def square(a):
     return np.indices(a.shape)
 
 
-def clouds(*dimensions):
+def where_right(shapes, is_right):
+    """The pattern if the values are right for clouds of some shapes."""
     random = np.random.default_rng(0)
-    shapes = [(k + 4, d) for k, d in enumerate(dimensions)]
-    return tuple(Call("table", (random.normal(size=s),), f"a cloud of {s}") for s in shapes)
+    calls = [Call("table", (random.normal(size=s),), f"a cloud of {s}") for s in shapes]
+    told = [call.arguments for call in calls]
+    values = [(a if is_right(*a.shape) else a + np.cos(a),) for (a,) in told]
+    return pattern(TABLE, calls, values, told)
 
 
 @pytest.mark.parametrize(
@@ -60,7 +63,7 @@ def clouds(*dimensions):
             (1,),
             "Your values are right on a line, and wrong in the plane and in space.",
         ),
-        ((1, 2, 2, 3, 3), (1,), "Your values are right only for a cloud of (4, 1)."),
+        ((1, 2, 2, 3, 3), (1,), "Your values are right only for a cloud of (7, 1)."),
         ((1, 1, 2, 2, 3, 3), (1, 3), ""),
         ((2, 2, 5, 5), (2,), ""),
         ((3, 3, 2, 2), (3,), ""),
@@ -68,10 +71,23 @@ def clouds(*dimensions):
 )
 def test_values_that_are_right_up_to_a_dimension_are_told(dimensions, right, sentence):
     """The columns of the first table are coordinates if there are one to three of them."""
-    calls = clouds(*dimensions)
-    told = [call.arguments for call in calls]
-    values = [(a if a.shape[1] in right else a + np.cos(a),) for (a,) in told]
-    found = pattern(TABLE, calls, values, told)
+    found = where_right([(7, d) for d in dimensions], lambda _, d: d in right)
+    assert found.startswith(sentence)
+    assert ("Your values are right" in found) == bool(sentence)
+
+
+@pytest.mark.parametrize(
+    ("rows", "right", "sentence"),
+    [
+        ((4, 5, 5, 9, 12), {9, 12}, "Your values are right for 9 or more rows, and wrong for 5 or"),
+        ((12, 4, 9, 5, 5), {4, 5}, "Your values are right for 5 or fewer rows, and wrong for 9 or"),
+        ((4, 5, 6, 9, 12), {5, 12}, ""),
+        ((5, 5, 9, 9), {}, ""),
+    ],
+)
+def test_values_that_are_right_up_to_a_size_are_told(rows, right, sentence):
+    """The largest sizes with wrong values are below all with right ones, or the other way round."""
+    found = where_right([(n, 2) for n in rows], lambda n, _: n in right)
     assert found.startswith(sentence)
     assert ("Your values are right" in found) == bool(sentence)
 

@@ -39,7 +39,7 @@ def computed_and_exact(mesh, field):
     """Velocities of the cells by the notebook, and the field at the circumcentres."""
     v = normal_velocities(mesh, field(mesh.points))
     found = [NOTEBOOK["cell_velocity"](q, out) for q, out in cells(mesh, v)]
-    queries = np.array([NOTEBOOK["circumcentre"](q) for q in mesh.points[mesh.cells]])
+    queries = np.array([NOTEBOOK["circumcenter"](q) for q in mesh.points[mesh.cells]])
     return np.array(found), field(queries)
 
 
@@ -69,7 +69,7 @@ def test_circumcentres_agree_with_the_library(mesh):
     """The error is relative to the circumradius, since circumcentres of flat cells are far away."""
     for q, o in zip(mesh.points[mesh.cells], mesh.circumcenters, strict=True):
         radius = np.linalg.norm(o - q[0])
-        assert np.linalg.norm(NOTEBOOK["circumcentre"](q) - o) < 1e-9 * max(radius, 1)
+        assert np.linalg.norm(NOTEBOOK["circumcenter"](q) - o) < 1e-9 * max(radius, 1)
 
 
 @each_mesh
@@ -128,9 +128,9 @@ def test_the_error_far_from_the_origin_is_reported_as_it_is():
         return np.linalg.solve(2 * (q[1:] - q[0]), np.sum(q[1:] ** 2, axis=1) - q[0] @ q[0])
 
     question = get("06.4")
-    verdict = try_public(question, {"circumcentre": cancelling})
+    verdict = try_public(question, {"circumcenter": cancelling})
     (corners,) = question.inputs(seed(EVERYBODY, "06.4"))[verdict.call].arguments
-    error = np.abs(cancelling(corners) - NOTEBOOK["circumcentre"](corners)).max()
+    error = np.abs(cancelling(corners) - NOTEBOOK["circumcenter"](corners)).max()
     assert np.abs(corners).max() > 1e6
     assert 1e-4 < error < 10
     stated = float(verdict.sentence.partition("is off by ")[2].partition(". ")[0])

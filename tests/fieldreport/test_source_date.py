@@ -5,6 +5,7 @@ import subprocess
 
 import pytest
 
+from fieldreport.build.reproducibility import date_of
 from fieldreport.build.source_date import source_date
 
 
@@ -36,3 +37,10 @@ def test_there_is_no_date_outside_a_repository(tmp_path, monkeypatch):
     monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
     monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
     assert source_date(tmp_path) == ""
+
+
+def test_a_copy_outside_the_repository_gets_the_date_of_its_original(checkout, monkeypatch):
+    """The build to compare with is made from a copy."""
+    (variable,) = date_of(checkout).items()
+    monkeypatch.setenv(*variable)
+    assert source_date(checkout.parent / "a copy") == "2001-05-01"

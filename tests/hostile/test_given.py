@@ -19,10 +19,10 @@ def test_the_sentences_of_the_second_run_would_reveal_right_values(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("how", ["1 / 0", "return np.zeros(9)", "return -np.ones(9)"])
+@pytest.mark.parametrize("how", ["1 / 0", "return np.zeros(9)"])
 def test_the_time_and_the_kind_of_a_failure_carry_nothing(how, course, servers):
     """The answer earns as much as one that ignores what it is given."""
-    wait = f"if {given.IS_GIVEN}:\n        import time; time.sleep(0.7)\n        {how}"
+    wait = f"if {given.IS_GIVEN}:\n        import time; time.sleep(0.3)\n        {how}"
     grades = [
         grade(
             course,

@@ -50,6 +50,15 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
         Call("basis_matrix", (cloud(random, 1, 3),), "one point of space"),
         *one_changed(general[0], ("other coordinates", cloud(random, 7, 2))),
         *one_changed(general[1], ("other coordinates", cloud(random, 5, 3))),
+        *(
+            Call("basis_matrix", (np.repeat(cloud(random, n, d), 2, axis=0),), case, (0,))
+            for n, d, case in (
+                (3, 2, "three points of the plane, each of them twice"),
+                (2, 3, "two points of space, each of them twice"),
+            )
+        ),
+        Call("basis_matrix", (cloud(random, 71, 2),), "71 points in the plane"),
+        Call("basis_matrix", (cloud(random, 101, 3),), "101 points in space"),
     )
 
 
@@ -124,6 +133,7 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
                 "four points in space",
             ),
         )
+        + on_the_line_and_constant(random)
         + one_changed(
             cases[0],
             ("other coordinates", cloud(random, 12, 2)),
@@ -133,6 +143,29 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
             cases[4],
             ("other coordinates", cloud(random, 15, 3) * [1e-3, 1, 1]),
             ("other values", random.normal(size=15)),
+        )
+        + calls_of(
+            "fit",
+            ((cloud(random, 71, 2), random.normal(size=71)), "71 points in the plane"),
+            ((cloud(random, 101, 3), random.normal(size=101)), "101 points in space"),
+        )
+    )
+
+
+def on_the_line_and_constant(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return points of the line, as many as coefficients or more, and values that are all equal."""
+    ends = np.array([[0.2], [0.9]])
+    line = calls_of(
+        "fit",
+        ((ends, random.normal(size=2)), "two points on the line"),
+        ((-3 * ends, random.normal(size=2)), "two other points on the line"),
+        ((cloud(random, 6, 1), random.normal(size=6)), "six points on the line"),
+    )
+    return line + tuple(
+        Call("fit", (cloud(random, n, d), np.full(n, random.uniform(1, 3))), case, (1,))
+        for n, d, case in (
+            (7, 2, "equal values at seven points of the plane"),
+            (8, 3, "equal values at eight points of space"),
         )
     )
 
@@ -204,6 +237,19 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
             ((c[1], np.diag(x[0])), "evaluation points on the axes"),
         )
         + tuple(
+            Call(
+                name,
+                (np.where(np.arange(d + 1) == k, 0.0, random.normal(size=d + 1)), y),
+                case,
+                (0,),
+            )
+            for d, k, case, y in (
+                (2, 0, "the first coefficient zero", random.normal(size=(4, 2))),
+                (3, 0, "the first coefficient zero, in space", random.normal(size=(5, 3))),
+                (2, 2, "the last coefficient zero", random.normal(size=(6, 2))),
+            )
+        )
+        + tuple(
             other
             for call in general[:2]
             for other in one_changed(
@@ -211,6 +257,17 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
                 ("other coefficients", random.normal(size=call.arguments[0].shape)),
                 ("other coordinates", random.normal(size=call.arguments[1].shape)),
             )
+        )
+        + calls_of(
+            name,
+            (
+                (random.normal(size=3), random.normal(size=(77, 2))),
+                "77 evaluation points in the plane",
+            ),
+            (
+                (random.normal(size=4), random.normal(size=(71, 3))),
+                "71 evaluation points in space",
+            ),
         )
     )
 
@@ -308,6 +365,8 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
             np.append(random.random((40, 2)) @ layer[:2], layer[:1] + np.array([0, 0, 2]), axis=0),
             "forty points in one plane of space, and one beside it",
         ),
+        (plane[:2] * [0, 1] + [0.3, 0], "two points of the plane, one above the other"),
+        (space[:3] * [0, 1, 1] + [0.3, 0, 0], "three points of an upright plane"),
         (whole(random, 7, 2), "seven points of the plane, integers"),
         (
             np.array([3, 1, -2]) + np.outer([0, 2, 3, 7, 9, 13], random.integers(1, 6, 3)),
@@ -372,6 +431,17 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
             ("other values", random.normal(size=6)),
             ("other coefficients", random.normal(size=4)),
         ),
+        *calls_of(
+            "objective",
+            (
+                (cloud(random, 71, 2), random.normal(size=71), random.normal(size=3)),
+                "71 points in the plane",
+            ),
+            (
+                (cloud(random, 101, 3), random.normal(size=101), random.normal(size=4)),
+                "101 points in space",
+            ),
+        ),
     )
 
 
@@ -408,6 +478,8 @@ def unusual_data(random: np.random.Generator) -> tuple[Call, ...]:
             ((space[:5], data[:5] - 900.0 * np.eye(5)[0], d), "one value far below the others"),
             ((whole(random, 5, 2), data[:5], c), "five points, integers"),
             ((whole(random, 6, 3), random.integers(-9, 10, 6), d), "points and values, integers"),
+            ((plane[2:], 1e-9 * data[:5], 1e-9 * c), "small values, at most 10⁻⁸"),
+            ((space[3:], 1e-9 * data[:5], 1e-9 * d), "small values in space, at most 10⁻⁸"),
         ),
     )
 

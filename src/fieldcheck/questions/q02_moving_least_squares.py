@@ -14,6 +14,8 @@ from fieldcheck.variants import one_changed
 EPS = float(np.finfo(float).eps)
 TINY = 1e-10
 """A factor of values, beside which an added constant or an absolute tolerance is large."""
+FAR = 1e4
+"""The distance of points from the origin, in units of their size: their squares lose digits."""
 LOCAL = 1e-7
 """Rounding tolerance of laws about local fits, whose systems have larger condition numbers."""
 
@@ -32,13 +34,13 @@ def condition(points: np.ndarray) -> np.ndarray:
     return np.asarray(np.linalg.cond(b / np.sqrt((b * b).sum(axis=-2, keepdims=True))))
 
 
-def rounding(points: np.ndarray, spread: float) -> float:
+def rounding(points: np.ndarray, spread: float | np.ndarray) -> float:
     """Return the rounding error of the normal equations; `spread` is the ratio of the weights.
 
     It is eps times the squared condition of WB, which is at most the spread times the condition of
-    B. Of stacked sets of points it is that of the worst.
+    B. Of stacked sets of points it is that of the worst; each set may have its own spread.
     """
-    return 100 * EPS * float(spread * condition(points).max()) ** 2
+    return 100 * EPS * float(np.max(spread * condition(points))) ** 2
 
 
 def spread_of_weights(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
@@ -65,6 +67,12 @@ def other_coordinates(random: np.random.Generator, n: int, d: int) -> tuple[str,
 def other_values(random: np.random.Generator, n: int) -> tuple[str, np.ndarray]:
     """Return words and random values that replace those of a call."""
     return "other values", random.normal(size=n)
+
+
+def far_away(random: np.random.Generator, *points: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return points of size one, all moved by the same random vector, far away from the origin."""
+    shift = FAR * random.uniform(1, 3, points[0].shape[-1])
+    return tuple(p + shift for p in points)
 
 
 # 02.1 The weights
@@ -96,16 +104,40 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         ((random.random((1, 2)), random.random(2), 0.3), "one point of the plane"),
         ((random.random((1, 3)), random.random(3), 0.4), "one point of space"),
     )
-    return calls + tuple(
-        other
-        for call in (calls[0], calls[2])
-        for other in one_changed(
-            call,
-            other_coordinates(random, *call.arguments[0].shape),
-            ("another evaluation point", random.normal(size=call.arguments[1].shape)),
-            ("another ε", 0.45),
+    return (
+        calls
+        + tuple(
+            other
+            for call in (calls[0], calls[2])
+            for other in one_changed(
+                call,
+                other_coordinates(random, *call.arguments[0].shape),
+                ("another evaluation point", random.normal(size=call.arguments[1].shape)),
+                ("another ε", 0.45),
+            )
         )
+        + many_or_far(random)
     )
+
+
+def many_or_far(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return many points, large units, points far from the origin, and ε that are integers."""
+    plane, space = random.random((69, 2)) - 0.4, random.random((43, 3)) - 0.4
+    x, y = random.random(2), random.random(3)
+    far = calls_of(
+        "weights",
+        ((*far_away(random, plane[:7], x), 0.3), "seven points in the plane, far from the origin"),
+        ((*far_away(random, space[:5], y), 0.4), "five points in space, far from the origin"),
+    )
+    return calls_of(
+        "weights",
+        ((plane, x, 0.3), "sixty-nine points in the plane"),
+        ((space, y, 0.3), "forty-three points in space"),
+        ((1e5 * plane[:7], 1e5 * x, 2e4), "seven points in a square of 10⁵"),
+        ((1e5 * space[:5], 1e5 * y, 3e4), "five points in a cube of 10⁵"),
+        ((integers(plane[:7]), integers(x), 90), "seven points and ε, all of them integers"),
+        ((integers(space[:5]), integers(y), 180), "five points in space and ε, all integers"),
+    ) + tuple(replace(call, exact=(0, 1)) for call in far)
 
 
 @law_of_each(
@@ -184,15 +216,56 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
         ((space, TINY * data[:20], alike(20)), "twenty points in space, values of size 10⁻¹⁰"),
     ]
     calls = tuple(Call("weighted_fit", arguments, case, exact=(0,)) for arguments, case in given)
-    return calls + tuple(
-        other
-        for call in calls[:2]
-        for other in one_changed(
-            call,
-            other_coordinates(random, *call.arguments[0].shape),
-            other_values(random, len(call.arguments[0])),
-            ("other weights", alike(len(call.arguments[0]))),
+    return (
+        calls
+        + tuple(
+            other
+            for call in calls[:2]
+            for other in one_changed(
+                call,
+                other_coordinates(random, *call.arguments[0].shape),
+                other_values(random, len(call.arguments[0])),
+                ("other weights", alike(len(call.arguments[0]))),
+            )
         )
+        + many_or_rescaled_fits(random)
+    )
+
+
+def many_or_rescaled_fits(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return many points, other units of length, weights that are integers, and equal values.
+
+    The weights have the unit of (2.3).
+    """
+    plane, space = random.random((43, 2)) - 0.4, random.random((69, 3)) - 0.4
+    v, data = random.normal(size=43), random.normal(size=69)
+    w, u = random.uniform(0.3, 3, 43), random.uniform(0.3, 3, 69)
+    few, other = slice(12), slice(15)
+    return calls_of(
+        "weighted_fit",
+        ((plane, v, w), "forty-three points in the plane"),
+        ((space, data, u), "sixty-nine points in space"),
+        *(
+            given
+            for unit, words in ((1e-5, "10⁻⁵"), (1e3, "1000"))
+            for given in (
+                (
+                    (unit * plane[few], v[few], w[few] / unit**2),
+                    f"twelve points and weights, all lengths in a square of {words}",
+                ),
+                (
+                    (unit * space[other], data[other], u[other] / unit**2),
+                    f"fifteen points and weights, all lengths in a cube of {words}",
+                ),
+            )
+        ),
+        ((plane[few], v[few], random.integers(1, 9, 12)), "twelve weights that are integers"),
+        (
+            (integers(space[other]), integers(data[other]), random.integers(1, 9, 15)),
+            "fifteen points, values and weights, all of them integers",
+        ),
+        ((plane[few], np.full(12, v[0]), w[few]), "twelve points of equal values"),
+        ((space[other], np.full(15, data[0]), u[other]), "fifteen points of equal values"),
     )
 
 
@@ -248,6 +321,13 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
     return (
         *(Call("field", given, case, exact=(0, 2)) for given, case in cases),
         *single_evaluations("field", random),
+        *far_evaluations("field", random),
+        *many_or_rescaled("field", random),
+        Call(
+            "field",
+            (p[:9], v[:9], random.random((69, 2)) - 0.4, 0.3),
+            "sixty-nine evaluation points in the plane",
+        ),
     )
 
 
@@ -269,6 +349,45 @@ def single_evaluations(name: str, random: np.random.Generator) -> tuple[Call, ..
             ("another ε", 0.7),
         )
         calls += [one, tiny, Call(name, few, f"{d + 1} measurements {words}"), *others]
+    return tuple(calls)
+
+
+def far_evaluations(name: str, random: np.random.Generator) -> tuple[Call, ...]:
+    """Return evaluation points that are more than 60 ε away from all points."""
+    plane, space = random.random((9, 2)) - 0.4, random.random((11, 3)) - 0.4
+    away = np.sign(random.normal(size=(4, 3))) * random.uniform(1.9, 2.2, (4, 3))
+    return calls_of(
+        name,
+        (
+            (plane, random.normal(size=9), away[:, :2], 0.02),
+            "evaluation points in the plane, far away in units of ε",
+        ),
+        (
+            (space, random.normal(size=11), away, 0.02),
+            "evaluation points in space, far away in units of ε",
+        ),
+    )
+
+
+def many_or_rescaled(name: str, random: np.random.Generator) -> tuple[Call, ...]:
+    """Return many points, a large unit, and ε that are integers, in the plane and in space."""
+    calls: list[Call] = []
+    for n, d, words in ((43, 2, "in the plane"), (51, 3, "in space")):
+        p, v, x = random.random((n, d)) - 0.4, random.normal(size=n), random.random((3, d)) - 0.4
+        few = slice(4 * d)
+        number = {43: "forty-three", 51: "fifty-one"}[n]
+        calls += calls_of(
+            name,
+            ((p, v, x, 0.3), f"{number} points {words}"),
+            (
+                (1e4 * p[few], v[few], 1e4 * x, 4e3),
+                f"{4 * d} points {words}, all lengths ten thousand times as large",
+            ),
+            (
+                (integers(p[few]), integers(v[few]), integers(x), 120),
+                f"{4 * d} points {words}, values and ε, all of them integers",
+            ),
+        )
     return tuple(calls)
 
 
@@ -338,7 +457,46 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
                 ("other coefficients", random.normal(size=call.arguments[4].shape)),
             )
         ),
+        *many_or_far_objectives(random),
     )
+
+
+def many_or_far_objectives(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return many points, other units, points far from x or from the origin, and integers.
+
+    In other units the slopes have other numbers, too.
+    """
+    calls: list[Call] = []
+    far: list[Call] = []
+    for n, d, words in ((69, 2, "in the plane"), (43, 3, "in space")):
+        p, v, x = random.random((n, d)) - 0.4, random.normal(size=n), random.random(d) - 0.4
+        c, few = random.normal(size=d + 1), slice(4 * d)
+        number = {69: "sixty-nine", 43: "forty-three"}[n]
+        scaled = [
+            (
+                (unit * p[few], v[few], unit * x, unit * 0.3, np.append(c[:1], c[1:] / unit)),
+                f"{4 * d} points {words}, all lengths multiplied by {factor}",
+            )
+            for unit, factor in ((1e-5, "10⁻⁵"), (1e5, "10⁵"))
+        ]
+        calls += calls_of(
+            "objective",
+            ((p, v, x, 0.3, c), f"{number} points {words}"),
+            *scaled,
+            (
+                (p[few], v[few], x + 2, 0.15, c),
+                f"{4 * d} points {words}, all far from x in units of ε",
+            ),
+            (
+                (integers(p[few]), integers(v[few]), integers(x), 120, integers(c, 9)),
+                f"{4 * d} points {words}, and all numbers integers",
+            ),
+            ((p[few], v[few], x, 0.3, 0 * c), f"{4 * d} points {words}, all coefficients zero"),
+        )
+        distant, y = far_away(random, p[few], x)
+        case = f"{4 * d} points {words}, far from the origin"
+        far.append(Call("objective", (distant, v[few], y, 0.4, c), case, exact=(0, 2)))
+    return (*calls, *far)
 
 
 def unusual_objectives(plane: Call, space: Call) -> tuple[Call, ...]:
@@ -411,6 +569,12 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
     return (
         *(Call("gradient", given, case, exact=(0, 2)) for given, case in cases),
         *single_evaluations("gradient", random),
+        *many_or_rescaled("gradient", random),
+        Call(
+            "gradient",
+            (random.random((12, 1)), v[:12], random.random((69, 1)), 0.4),
+            "sixty-nine evaluation points on a line",
+        ),
     )
 
 

@@ -42,16 +42,43 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
         ((integers(points[:30], 6), 6 * queries, 2, 1.2), "thirty points, integers, and n = 2"),
         ((6 * points[30:50], integers(queries, 6), 3, 1.8), "evaluation points that are integers"),
     )
-    return calls + tuple(
-        other
-        for call in calls[4:6]
-        for other in one_changed(
-            call,
-            other_coordinates(random, *call.arguments[0].shape),
-            ("other evaluation points", random.random(call.arguments[1].shape)),
-            ("another n", 4),
-            ("another ε", 0.4),
+    return (
+        calls
+        + tuple(
+            other
+            for call in calls[4:6]
+            for other in one_changed(
+                call,
+                other_coordinates(random, *call.arguments[0].shape),
+                ("other evaluation points", random.random(call.arguments[1].shape)),
+                ("another n", 4),
+                ("another ε", 0.4),
+            )
         )
+        + many_or_rescaled_errors(random)
+    )
+
+
+def many_or_rescaled_errors(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return many evaluation points, other units of length, and ε that are integers."""
+    points, queries = random.random((43, 2)) - 0.4, random.random((71, 2)) - 0.4
+    few, some = points[:15], queries[:4]
+    return calls_of(
+        "errors",
+        (
+            (points, queries[:69], 2, 0.2),
+            "forty-three points, sixty-nine evaluation points and n = 2",
+        ),
+        (
+            (points[:9], queries, 3, 0.4),
+            "nine points, two hundred and sixty-three evaluation points and n = 3",
+        ),
+        ((1e-5 * few, 1e-5 * some, 2, 3e-6), "fifteen points in a square of 10⁻⁵ and n = 2"),
+        ((1e-4 * few, 1e-4 * some, 3, 3e-5), "fifteen points in a square of 10⁻⁴ and n = 3"),
+        ((1e4 * few, 1e4 * some, 2, 3e3), "fifteen points in a square of 10⁴ and n = 2"),
+        ((1e3 * few, 1e3 * some, 3, 300.0), "fifteen points in a square of 1000 and n = 3"),
+        ((integers(few, 30), integers(some, 30), 2, 9), "points and ε, all integers, and n = 2"),
+        ((integers(few, 20), integers(some, 20), 3, 7), "points and ε, all integers, and n = 3"),
     )
 
 
@@ -65,7 +92,9 @@ def grows_with_the_field(calls: Sequence[Call], values: Sequence[Values]) -> flo
 
 def nothing_for_rounding(call: Call, values: Values) -> Values:
     """Return errors in which pure rounding errors are set to zero."""
-    return tuple(np.where(np.abs(v) < 1e-9, 0.0, v) for v in values)
+    points, _, n, _ = call.arguments
+    least = 1e-9 * float(np.abs(points).max()) ** n
+    return tuple(np.where(np.abs(v) < least, 0.0, v) for v in values)
 
 
 # 02.9 Leave-one-out
@@ -103,7 +132,34 @@ def leave_one_out_inputs(seed: int) -> tuple[Call, ...]:
                 ("another ε", 0.8),
             )
         ),
+        *many_or_small_epsilon(random),
     )
+
+
+def many_or_small_epsilon(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return many points, an ε far below their spacing, other units, and ε that are integers."""
+    calls: list[Call] = []
+    for n, d, words in ((43, 2, "in the plane"), (45, 3, "in space")):
+        p, v, few = random.random((n, d)) - 0.4, random.normal(size=n), slice(5 * d)
+        number = {43: "forty-three", 45: "forty-five"}[n]
+        scaled = [
+            (
+                (unit * p[few], v[few], unit * 0.5),
+                f"{5 * d} points {words}, all lengths multiplied by {factor}",
+            )
+            for unit, factor in ((1e-5, "10⁻⁵"), (1e4, "10⁴"))
+        ]
+        calls += calls_of(
+            "leave_one_out",
+            ((p, v, 0.3), f"{number} points {words}"),
+            ((p[few], v[few], 3e-4), f"{5 * d} points {words} and a small ε"),
+            *scaled,
+            (
+                (integers(p[few]), integers(v[few]), 120),
+                f"{5 * d} points {words}, values and ε, all of them integers",
+            ),
+        )
+    return tuple(calls)
 
 
 def few_or_tiny(random: np.random.Generator) -> tuple[Call, ...]:
@@ -159,7 +215,19 @@ def without_the_worst(call: Call) -> float:
     """Return the rounding error with one point left out, for the worst choice of the point."""
     points, _, epsilon = call.arguments
     others = np.stack([np.delete(points, i, axis=0) for i in range(len(points))])
-    return rounding(others, spread_of_weights(points, points, epsilon))
+    pairs = zip(others, points, strict=True)
+    return rounding(others, np.array([spread_of_weights_around(*pair, epsilon) for pair in pairs]))
+
+
+def spread_of_weights_around(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
+    """Return a bound of the ratio of weights at x: that of the squared distances, or 1 + (R/ε)².
+
+    The first one is smaller if ε is small and no point is at x.
+    """
+    distances = np.linalg.norm(points - x, axis=1)
+    nearest, farthest = float(distances.min()), float(distances.max())
+    bound = spread_of_weights(points, x, epsilon)
+    return bound if nearest == 0 else min(bound, (farthest / nearest) ** 2)
 
 
 QUESTIONS = (

@@ -12,6 +12,7 @@ from fieldcheck.questions.q03_radial_basis_functions import (
     TINY,
     at_distance_one,
     cloud,
+    extent,
 )
 from fieldcheck.variants import one_changed
 
@@ -45,6 +46,41 @@ def inertia_inputs(seed: int) -> tuple[Call, ...]:
     )
     return (
         *(Call("inertia", (points,), case) for points, case in cases),
+        *(Call("inertia", (points,), case, exact=(0,)) for points, case in exact),
+        *few_or_many(random),
+    )
+
+
+def few_or_many(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return few points, many, large units, and points for which several eigenvalues are zero.
+
+    One point has the eigenvalues a and −a, and zeros.
+    """
+    general = (
+        (random.random((1, 2)), "one point of the plane"),
+        (random.random((1, 3)), "one point of space"),
+        (random.random((1, 1)), "one point of the line"),
+        (cloud(random, 2, 2), "two points in the plane"),
+        (cloud(random, 2, 3), "two points in space"),
+        (cloud(random, 3, 3), "three points in space"),
+        (cloud(random, 43, 2), "forty-three points in the plane"),
+        (cloud(random, 45, 3), "forty-five points in space"),
+        (50 * cloud(random, 9, 2), "nine points in a square of 50"),
+        (30 * cloud(random, 8, 3), "eight points in a cube of 30"),
+    )
+    plane, direction = cloud(random, 6, 2), random.normal(size=3)
+    exact = (
+        (
+            np.outer(cloud(random, 7, 1), direction / np.linalg.norm(direction)),
+            "seven points on one line of space",
+        ),
+        (plane[[0, 1, 2, 3, 4, 5, 2, 2]], "eight points of which three are the same"),
+        (plane[[0, 0, 0]], "three points that are all the same"),
+        (np.outer(random.permutation(5), [1, 1]), "five points of the diagonal, integers"),
+        (at_distance_one(random, 2), "a point and four neighbours at distance one"),
+    )
+    return (
+        *(Call("inertia", (points,), case) for points, case in general),
         *(Call("inertia", (points,), case, exact=(0,)) for points, case in exact),
     )
 
@@ -114,7 +150,35 @@ def energy_inputs(seed: int) -> tuple[Call, ...]:
                 ("other values", random.normal(size=len(call.arguments[1]))),
             )
         ),
+        *affine_or_rescaled(random),
     )
+
+
+def affine_or_rescaled(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return values without energy, other units of length, and many points."""
+    points, v = cloud(random, 43, 2), random.normal(size=43)
+    triangle = np.eye(3, 2, -1) + random.uniform(-0.1, 0.1, (3, 2))
+    few = points[random.permutation(43)[:9]]
+    return calls_of(
+        "energy",
+        ((triangle, v[:3]), "three points"),
+        ((2 * triangle, v[3:6]), "three points, farther apart"),
+        ((few, np.full(9, v[0])), "nine equal values"),
+        ((few, np.full(9, round(9 * v[1]))), "nine equal values that are integers"),
+        ((1e-3 * few, v[:9]), "nine points in a square of 0.001"),
+        ((2e-4 * few, v[9:18]), "nine points in a square of 0.0002"),
+        ((1000 * few, v[:9]), "nine points in a square of 1000"),
+        ((5000 * few, v[9:18]), "nine points in a square of 5000"),
+        ((points, v), "forty-three points"),
+        ((points[:41], v[2:]), "forty-one points"),
+    )
+
+
+def nothing_for_rounding(call: Call, values: Values) -> Values:
+    """Return the energy, or zero if it is a rounding error, as for affine values."""
+    (e,), (points, wanted) = values, call.arguments
+    least = 1e-9 * float(np.abs(wanted).max()) ** 2 / extent(points) ** 2
+    return (np.where(np.abs(e) < least, 0.0, e),)
 
 
 @law(
@@ -136,5 +200,13 @@ QUESTIONS = (
         lambda _: ((3,),),
         (counts_all_and_both_signs, is_singular_where_it_must),
     ),
-    Question("03.7", "energy", 2, energy_inputs, lambda _: ((),), (has_the_bending_energy,)),
+    Question(
+        "03.7",
+        "energy",
+        2,
+        energy_inputs,
+        lambda _: ((),),
+        (has_the_bending_energy,),
+        normal_form=nothing_for_rounding,
+    ),
 )

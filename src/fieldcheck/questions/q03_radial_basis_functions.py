@@ -6,6 +6,7 @@ The laws need the kernel. They compute it as the derivative of s^t at t = 1, by 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import ceil
 
 import numpy as np
@@ -16,6 +17,8 @@ from fieldcheck.variants import one_changed
 
 STEP = 1e-30
 """The size of the complex step; its square underflows."""
+FAR = 1e4
+"""The distance of points from the origin, in units of their size: their squares lose digits."""
 TINY = 1e-10
 """A factor of values and coefficients, beside which an absolute tolerance is large."""
 
@@ -66,6 +69,17 @@ def at_distance_one(random: np.random.Generator, d: int) -> np.ndarray:
     return around + random.integers(-2, 3, d)
 
 
+def far_away(random: np.random.Generator, *points: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return points of size one, all moved by the same random vector, far away from the origin."""
+    shift = FAR * random.uniform(1, 3, points[0].shape[-1])
+    return tuple(p + shift for p in points)
+
+
+def extent(points: np.ndarray) -> float:
+    """Return the largest side of the box of the points, or one if all of them are the same."""
+    return float(np.ptp(points, axis=0).max()) or 1.0
+
+
 # 03.1 The kernel
 
 
@@ -91,6 +105,27 @@ def kernel_inputs(seed: int) -> tuple[Call, ...]:
         ((integers(table, 1000),), "a table of four times three vectors, integers"),
         ((random.normal(size=(1, 2)),), "an array of one vector"),
         ((random.normal(size=(3, 1, 3)),), "a table of three times one vectors in space"),
+        ((1e5 * random.normal(size=(4, 2)),), "four vectors of the plane of length 10⁵"),
+        ((2e5 * random.normal(size=(3, 3)),), "three vectors in space of length 2·10⁵"),
+        ((random.normal(size=(69, 2)),), "sixty-nine vectors of the plane"),
+        (
+            (random.permutation([[1, 0], [0, -1], [1, 1], [-1, 1], [0, 0]]),),
+            "five vectors of the numbers −1, 0 and 1",
+        ),
+        (
+            (
+                random.permutation(
+                    [
+                        [1.0, 0.0, 0.0],
+                        [0.0, -1.0, 0.0],
+                        [1.0, 1.0, 1.0],
+                        [-1.0, 0.0, 1.0],
+                        [0.0, 0.0, 0.0],
+                    ]
+                ),
+            ),
+            "five vectors in space of the numbers −1, 0 and 1",
+        ),
     )
 
 
@@ -136,17 +171,42 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
                 (cloud(random, 6, 3), "seven points in space, two of them the same"),
             )
         ),
+        *few_or_far(random),
+    )
+
+
+def few_or_far(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return fewer points than coordinates and one more, large units, and points far away."""
+    cases = (
+        (cloud(random, 2, 2), "two points in the plane"),
+        (cloud(random, 3, 3), "three points in space"),
+        (random.random((1, 2)), "one point of the plane"),
+        (random.random((1, 3)), "one point of space"),
+        (1e5 * cloud(random, 5, 2), "five points in a square of 10⁵"),
+        (1e5 * cloud(random, 6, 3), "six points in a cube of 10⁵"),
+    )
+    far = (
+        (far_away(random, cloud(random, 5, 2)), "five points in the plane, far from the origin"),
+        (far_away(random, cloud(random, 6, 3)), "six points in space, far from the origin"),
+    )
+    return (
+        *(Call("system_matrix", (points,), case) for points, case in cases),
+        *(Call("system_matrix", points, case, exact=(0,)) for points, case in far),
     )
 
 
 def in_units_of_the_kernel(call: Call, values: Values) -> Values:
-    """Return H with the block of the kernels in a unit in which the points have size one.
+    """Return H with the block of the kernels, and the coordinates, in units in which they are one.
 
-    Otherwise the ones would hide what is added to the small kernels, such as 10⁻¹⁰ on the diagonal.
+    Otherwise the ones would hide what is added to the small kernels, such as 10⁻¹⁰ on the diagonal,
+    and large coordinates would hide errors of the kernels.
     """
     (h,), (points,) = values, call.arguments
     n, unit = len(points), np.array(h, dtype=float)
-    unit[:n, :n] /= min(1.0, float(np.ptp(points)) ** 2)
+    unit[:n, :n] /= min(1.0, extent(points) ** 2)
+    largest = max(1.0, float(np.abs(points).max()))
+    unit[:n, n + 1 :] /= largest
+    unit[n + 1 :, :n] /= largest
     return (unit,)
 
 
@@ -216,7 +276,34 @@ def coefficients_inputs(seed: int) -> tuple[Call, ...]:
                 ("other values", random.normal(size=len(call.arguments[1]))),
             )
         ),
+        *few_or_rescaled(random),
     )
+
+
+def few_or_rescaled(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return as many points as affine functions, other units of length, and many points."""
+    plane, space = cloud(random, 12, 2), cloud(random, 10, 3)
+    v, data = random.normal(size=43), random.normal(size=10)
+    triangle, tetrahedron = (
+        np.eye(d + 1, d, -1) + random.uniform(-0.1, 0.1, (d + 1, d)) for d in (2, 3)
+    )
+    return calls_of(
+        "coefficients",
+        ((triangle, v[:3]), "three points in the plane"),
+        ((tetrahedron, v[:4]), "four points in space"),
+        ((0.03 * plane, v[:12]), "twelve points in a square of 0.03"),
+        ((0.02 * space, data), "ten points in a cube of 0.02"),
+        ((50 * plane, v[:12]), "twelve points in a square of 50"),
+        ((30 * space, data), "ten points in a cube of 30"),
+        ((cloud(random, 43, 2), v), "forty-three points in the plane"),
+    )
+
+
+def nothing_for_rounding(call: Call, values: Values) -> Values:
+    """Return λ and c with zeros for the λ that are rounding errors, as for affine values."""
+    (lam, c), (points, wanted) = values, call.arguments
+    least = 1e-10 * float(np.abs(wanted).max()) / extent(points) ** 2
+    return np.where(np.abs(lam) < least, 0.0, lam), c
 
 
 def coefficients_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
@@ -290,10 +377,66 @@ def single_evaluations(name: str, seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
+def many_or_far(name: str, seed: int) -> tuple[Call, ...]:
+    """Return many centres and evaluation points, one centre, other units, points far from the
+    origin, zero coefficients, and coefficients that are integers.
+    """
+    random = np.random.default_rng(seed + 2)
+    calls: list[Call] = []
+    for n, d, words in ((43, 2, "in the plane"), (45, 3, "in space")):
+        points, x = cloud(random, n, d), random.random((3, d))
+        lam, c, few = random.normal(size=n), random.normal(size=d + 1), slice(3 * d)
+        number = {43: "forty-three", 45: "forty-five"}[n]
+        calls += calls_of(
+            name,
+            ((points, lam, c, x), f"{number} centres {words}"),
+            ((points[:1], lam[:1], c, x), f"one centre {words}"),
+            ((points[:2], lam[:2], c, x), f"two centres {words}"),
+            *(
+                (
+                    (
+                        unit * points[few],
+                        lam[few] / unit**2,
+                        np.append(c[:1], c[1:] / unit),
+                        unit * x,
+                    ),
+                    f"{3 * d} centres {words}, all lengths multiplied by {factor}",
+                )
+                for unit, factor in ((1e-5, "10⁻⁵"), (1e5, "10⁵"))
+            ),
+            ((points[few], 0 * lam[few], c, x), f"{3 * d} centres {words}, all λ zero"),
+            (
+                (integers(points[few]), integers(lam[few], 9), integers(c, 9), integers(x)),
+                f"{3 * d} centres {words}, all numbers integers",
+            ),
+        )
+        far = calls_of(
+            name,
+            ((points[few], lam[few], 0 * c, x), f"{3 * d} centres {words}, far away and c zero"),
+        )
+        calls += [
+            replace(call, arguments=(p, *call.arguments[1:3], y), exact=(0, 3))
+            for call in far
+            for p, y in (far_away(random, call.arguments[0], call.arguments[3]),)
+        ]
+    line = cloud(random, 9, 1), random.normal(size=9), random.normal(size=2)
+    case = "sixty-nine evaluation points on the line"
+    return (*calls, Call(name, (*line, random.random((69, 1))), case))
+
+
 @law("The field must be an affine function plus λ_j times the kernel at each centre.")
 def is_a_sum_of_basis_functions(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the values from those of the field."""
     return max(relative(v - field(*c.arguments), v) for c, (v,) in zip(calls, values, strict=True))
+
+
+def evaluate_inputs(seed: int) -> tuple[Call, ...]:
+    """Return several evaluation points, one of them, and many of them."""
+    return tuple(
+        call
+        for inputs in (field_inputs, single_evaluations, many_or_far)
+        for call in inputs("evaluate", seed)
+    )
 
 
 UNIT = 1e-3
@@ -316,7 +459,13 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
         high = c + 1e4 * (np.arange(c.size) == 0)
         case = call.case + ", a field larger by 10000"
         raised.append(Call("gradient", (points, lam, high, x), case, (0, 3)))
-    return (*calls, *scaled, *raised, *single_evaluations("gradient", seed))
+    return (
+        *calls,
+        *scaled,
+        *raised,
+        *single_evaluations("gradient", seed),
+        *many_or_far("gradient", seed),
+    )
 
 
 @law("For a small step the change of the field must be the gradient times the step.", 1e-5)
@@ -326,7 +475,7 @@ def agrees_with_central_differences(calls: Sequence[Call], values: Sequence[Valu
     for call, (g,) in zip(calls, values, strict=True):
         points, lam, c, x = call.arguments
         n, d = x.shape
-        h = 1e-5 * np.ptp(points)
+        h = 1e-5 * extent(points if len(points) > 1 else x)
         steps = h * np.stack([np.eye(d), -np.eye(d)])[:, :, None]
         ahead, behind = field(points, lam, c, (x + steps).reshape(-1, d)).reshape(2, d, n)
         worst = max(worst, relative(g.T - (ahead - behind) / (2 * h), g))
@@ -361,12 +510,13 @@ QUESTIONS = (
         coefficients_inputs,
         coefficients_shapes,
         (has_no_moments, interpolates_the_values),
+        normal_form=nothing_for_rounding,
     ),
     Question(
         "03.4",
         "evaluate",
         2,
-        lambda seed: field_inputs("evaluate", seed) + single_evaluations("evaluate", seed),
+        evaluate_inputs,
         lambda call: ((len(call.arguments[3]),),),
         (is_a_sum_of_basis_functions,),
     ),

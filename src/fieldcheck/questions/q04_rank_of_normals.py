@@ -61,6 +61,8 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
     """Return samples in the plane and in space, also with vectors that are not unit vectors."""
     random = np.random.default_rng(seed)
     plane, space = cloud(random, 7, 2), cloud(random, 5, 3)
+    on_the_axes = plane * np.where(np.arange(7)[:, None] == [1, 4], 0, 1)
+    at_the_origin = space * np.where(np.arange(5) == 2, 0, 1)[:, None]
     return calls_of(
         "velocity_matrix",
         ((plane, directions(random, 7)), "seven samples in the plane"),
@@ -79,6 +81,10 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
             "five samples in space, normals of integers along the axes",
         ),
         ((space[:1], sphere(random, 1)), "one sample in space"),
+        ((on_the_axes, directions(random, 7)), "seven samples, one on each axis"),
+        ((at_the_origin, sphere(random, 5)), "five samples in space, one at the origin"),
+        ((cloud(random, 67, 2), directions(random, 67)), "sixty-seven samples in the plane"),
+        ((integers(plane), along_axes(random, 7, 2)), "seven samples, points and normals integers"),
     )
 
 
@@ -182,6 +188,15 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
             along_axes(random, 14, 3),
             "fourteen samples in space, normals of integers along the axes",
         ),
+        (integers(nine), directions(random, 9), "nine samples, integers"),
+        (integers(space), sphere(random, 14), "fourteen samples in space, integers"),
+        *(
+            (cloud(random, n, 2), parallel_except(random, n, range(n - 3, n)), case)
+            for n, case in (
+                (43, "forty-three samples, parallel normals but for the last three"),
+                (101, "101 samples, parallel normals but for the last three"),
+            )
+        ),
     )
     return (
         *(Call("velocity_rank", (p, n), case) for p, n, case in general),
@@ -192,6 +207,7 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
 RANKS = (
     *(6, 5, 6, 6, 6, 12, 12, 6, 6, 12, 5, 5, 4, 4, 6, 6, 6, 6),
     *(4, 4, 3, 5, 5, 8, 3, 3, 4, 6, 6, 6, 12),
+    *(6, 12, 6, 6),
 )
 
 
@@ -265,6 +281,15 @@ def tangent_inputs(seed: int) -> tuple[Call, ...]:
             (twelve, two_directions(random, 12, (4, 7), 0)[:, ::-1].astype(int)),
             "upright normals of integers but for two of twelve",
         ),
+        ((integers(nine[:5], 30), directions(random, 5)), "five samples, integers"),
+        ((integers(twelve[:5], 30), directions(random, 5)), "five other samples, integers"),
+        *(
+            (
+                (cloud(random, n, 2), parallel_except(random, n, (n - 2, n - 1))),
+                f"{number} samples, parallel normals but for the last two",
+            )
+            for n, number in ((43, "forty-three"), (67, "sixty-seven"))
+        ),
     )
 
 
@@ -314,6 +339,8 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((five - [1.1, 3.0], 1e-15 * flow(random)), "another very slow flow"),
         ((seven[:1] - [1.1, 0.0], flow(random)), "one point"),
         ((integers(five[:1] - 0.5), flow(random)), "one point, integers"),
+        ((seven, random.integers(1, 9, 6)), "seven points, coefficients of integers"),
+        ((cloud(random, 67, 2) - [1.1, 0.0], flow(random)), "sixty-seven points"),
     )
 
 

@@ -135,6 +135,45 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
             parallel_except(random, 7, (0, 1, 2)),
             "parallel normals but for three, two of these at one point",
         ),
+        (
+            spread[:3].repeat(2, axis=0),
+            directions(random, 6),
+            "two samples at each of three points",
+        ),
+        (
+            np.append(spread, spread, axis=0),
+            parallel_except(random, 14, range(7, 14)),
+            "parallel normals, and other normals at the same points",
+        ),
+        (
+            np.append(spread, spread, axis=0),
+            parallel_except(random, 14, range(7)),
+            "seven normals, and parallel normals at the same points",
+        ),
+        (integers(spread, 9), parallel_except(random, 7, (0, 1, 2)), "seven samples, integers"),
+        (
+            random.integers(-3, 1, 2) + np.outer([0, 1, 2, 3, 5], random.integers(1, 3, 2)),
+            directions(random, 5),
+            "five points of integers on one line",
+        ),
+        (
+            spread,
+            two_directions(random, 7, (1, 3, 5), 0).astype(int),
+            "normals of integers along the axes, by turns",
+        ),
+        (
+            spread,
+            two_directions(random, 7, (0, 6), 0).astype(int),
+            "normals of integers along the axes, only two of them upright",
+        ),
+        *(
+            (
+                np.append(cloud(random, n, 2), spread[:3], axis=0),
+                parallel_except(random, n + 3, range(n, n + 3)),
+                f"{number} parallel normals and three others",
+            )
+            for n, number in ((43, "forty-three"), (103, "103"))
+        ),
     )
     return (
         *(Call("obvious", (p, n), case) for p, n, case in cases),
@@ -145,7 +184,7 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
 HOLDS = (
     *(1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 1, 0, 0, 1),
     *(0, 1, 0, 1, 1, 1, 1, 1, 0, 0, 1, 1, 0, 0, 0, 1),
-    *(0, 0, 0, 0, 1, 1, 0),
+    *(0, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 0, 1, 1),
 )
 
 
@@ -202,6 +241,11 @@ def star_inputs(seed: int) -> tuple[Call, ...]:
     """Return stars of three to nine triangles, one of them far from the origin."""
     random = np.random.default_rng(seed)
     calls = []
+
+    def rays(k: int) -> np.ndarray:
+        angles = 2 * np.pi * (np.arange(k) + random.uniform(-0.2, 0.2, k)) / k
+        return random.uniform(0.5, 1.5, (k, 1)) * np.column_stack([np.cos(angles), np.sin(angles)])
+
     for k, center, case in (
         (5, (0.1, -0.2), "five triangles"),
         (3, (0, 0), "three triangles"),
@@ -209,9 +253,7 @@ def star_inputs(seed: int) -> tuple[Call, ...]:
         (7, (-0.3, 0.5), "seven triangles"),
         (9, (1, 2), "nine triangles"),
     ):
-        angles = 2 * np.pi * (np.arange(k) + random.uniform(-0.2, 0.2, k)) / k
-        rays = random.uniform(0.5, 1.5, (k, 1)) * np.column_stack([np.cos(angles), np.sin(angles)])
-        calls.append(Call("star_samples", (np.array(center, dtype=float), rays + center), case))
+        calls.append(Call("star_samples", (np.array(center, dtype=float), rays(k) + center), case))
     vertex, width, height = random.uniform(-2, 2, 2), *random.uniform(0.5, 1.5, 2)
     steps = [[1, 0], [1, 1], [0, 1], [-1, 0], [-1, -1], [0, -1]]
     at_right_angles = vertex + steps * np.array([width, height])
@@ -221,6 +263,15 @@ def star_inputs(seed: int) -> tuple[Call, ...]:
     for call in (*calls[2:4], calls[5]):
         whole = tuple(integers(argument) for argument in call.arguments)
         calls.append(Call("star_samples", whole, f"{call.case}, integers"))
+    for call in (calls[0], calls[3]):
+        away = tuple(1e4 * np.array([1, -1]) + argument for argument in call.arguments)
+        calls.append(Call("star_samples", away, f"{call.case}, 10⁴ away", exact=(0, 1)))
+    for size, words in ((1e-7, "10⁻⁷"), (1e6, "10⁶"), (1e8, "10⁸")):
+        scaled = tuple(size * argument for argument in calls[3].arguments)
+        calls.append(Call("star_samples", scaled, f"a star of {words}"))
+    for k, case in ((43, "forty-three triangles"), (67, "sixty-seven triangles")):
+        middle = random.uniform(-1, 1, 2)
+        calls.append(Call("star_samples", (middle, rays(k) + middle), case))
     return tuple(calls)
 
 
@@ -292,6 +343,13 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
         (cross_along_axes(random, 2), "nine points on a cross along the axes"),
         (3 + cross_along_axes(random, 2), "another cross along the axes"),
         (cross_along_axes(random, 1), "a vertex with four neighbours along the axes"),
+        (in_line(random, 4)[:4], "four points on one line"),
+        (in_line(random, 5)[:5], "five points on one line"),
+        (in_line(random, 4), "four points on a line and one off it"),
+        (integers(eight), "eight points, integers"),
+        (cross_along_axes(random, 2).astype(int), "a cross of integers along the axes"),
+        (on_a_circle_but_the_last(random, 43), "forty-three points, all but the last on a circle"),
+        (on_a_circle_but_the_last(random, 101), "101 points, all but the last on a circle"),
     )
     return (
         *(Call("conic_rank", (points,), case) for points, case in general),
@@ -299,7 +357,17 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-CONIC_RANKS = (6, 5, 6, 6, 6, 6, 6, 6, 6, 6, 5, 5, 5, 5, 5, 5, 3, 6, 6, 6, 6, 3, 5, 5, 5)
+CONIC_RANKS = (
+    *(6, 5, 6, 6, 6, 6, 6, 6, 6, 6, 5, 5),
+    *(5, 5, 5, 5, 3, 6, 6, 6, 6, 3, 5, 5, 5, 3, 3, 4, 6, 5, 6, 6),
+)
+
+
+def on_a_circle_but_the_last(random: np.random.Generator, n: int) -> np.ndarray:
+    """Return points on a circle, and as the last one a point inside."""
+    angles = 2 * np.pi * random.permutation(n) / n
+    radii = np.where(np.arange(n) < n - 1, 1.0, random.uniform(0.3, 0.6))
+    return radii[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 def cross_along_axes(random: np.random.Generator, n: int) -> np.ndarray:

@@ -79,6 +79,7 @@ def edges_inputs(seed: int) -> tuple[Call, ...]:
             (part_of_a_mesh(random, int(random.integers(1000, 1400))),),
             "four triangles, all vertex numbers beyond 1000",
         ),
+        ((part_of_a_mesh(random, 0, 100),), "four triangles, one vertex number beyond 100"),
     )
 
 
@@ -130,8 +131,12 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     more, others = mesh(random, 2, 2)
     a, b = random.uniform(1, 3, 2)
     cross = np.array([[0.0, 0.0], [a, 0.0], [0.0, b]])
-    return calls_of(
-        "midpoints_and_normals",
+    square = np.array([[0, 0], [1, 1], [1, 0], [0, 1]])
+    pairs = random.permutation([[0, 1], [3, 2], [2, 0], [1, 3]])
+    corner, side = random.integers(-9, 9, 2), random.integers(3, 9)
+    name, away = "midpoints_and_normals", AWAY * np.array([1, -1])
+    near = calls_of(
+        name,
         ((points, sides(triangles, random)), "the edges of a mesh"),
         ((1e-9 * cross, np.array([[1, 0], [0, 2]])), "two edges along the axes, of length 10⁻⁹"),
         ((50 * more - 20, sides(others, random)), "a larger mesh"),
@@ -140,7 +145,18 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((integers(cross), np.array([[0, 1], [2, 0]])), "two edges along the axes, integers"),
         ((points, sides(triangles, random)[:1]), "one edge of a mesh"),
         ((integers(more, 1e4), sides(others, random)[:1]), "one edge of a mesh of integers"),
+        ((1e-6 * more, sides(others, random)), "a mesh in a square of 10⁻⁶"),
+        ((1e6 * more, sides(others, random)), "a mesh in a square of 10⁶"),
+        ((1e9 * points, sides(triangles, random)), "a mesh in a square of 10⁹"),
     )
+    edges, fewer = sides(triangles, random), sides(others, random)
+    constructed = (
+        (a * square, pairs, "two sides and the diagonals of a square"),
+        (corner + side * square, pairs, "two sides and the diagonals of a square, integers"),
+        (in_short_binary_numbers(points) + away, edges, "a mesh 10⁶ away"),
+        (in_short_binary_numbers(more) - away, fewer, "another mesh 10⁶ away"),
+    )
+    return (*near, *(Call(name, (p, e), case, exact=(0,)) for p, e, case in constructed))
 
 
 def either_side(_: Call, values: Values) -> Values:
@@ -187,6 +203,7 @@ def rotation_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     points = mesh(random, 2, 2)[0]
     cloud = random.random((7, 2)) ** 2
+    two = random.random((2, 2))
     return calls_of(
         "rotation",
         ((points,), "the vertices of a mesh"),
@@ -198,6 +215,13 @@ def rotation_inputs(seed: int) -> tuple[Call, ...]:
         ((integers(cloud[1:2]),), "one point, integers"),
         ((crossing_lines(random, 3),), "five points on a level and an upright line"),
         ((crossing_lines(random, 4),), "seven points on a level and an upright line"),
+        ((two,), "two points"),
+        ((integers(two),), "two points, integers"),
+        *(
+            ((size * points,), f"the vertices of a mesh in a square of {words}")
+            for size, words in ((1e-9, "10⁻⁹"), (1e-5, "10⁻⁵"), (1e5, "10⁵"), (1e9, "10⁹"))
+        ),
+        ((random.random((67, 2)),), "sixty-seven points"),
     )
 
 
@@ -236,6 +260,8 @@ def normal_velocities_inputs(seed: int) -> tuple[Call, ...]:
     normals = directions(random.uniform(0, 2 * np.pi, len(edges)))
     u = random.normal(size=(int(edges.max()) + 1, 2))
     wind = np.tile([1.0, 0.0], (len(u), 1))
+    uneven = np.geomspace(1e-6, 1, len(u))[:, np.newaxis]
+    more = sides(mesh(random, 4, 5)[1], random)[:67]
     level_or_upright = along_axes(random, len(edges), 2)
     return calls_of(
         "normal_velocities",
@@ -248,6 +274,21 @@ def normal_velocities_inputs(seed: int) -> tuple[Call, ...]:
         ((edges, level_or_upright, u), "normals of integers along the axes"),
         ((edges, -level_or_upright, u[::-1].copy()), "other normals of integers along the axes"),
         ((np.array([[1, 0]]), normals[:1], u[:2]), "one edge between two vertices"),
+        *(
+            ((edges, normals, size * u), f"velocities of the size {words}")
+            for size, words in ((1e-5, "10⁻⁵"), (1e-9, "10⁻⁹"), (1e5, "10⁵"), (1e9, "10⁹"))
+        ),
+        ((edges, normals, uneven * u), "velocities of sizes from 10⁻⁶ to 1"),
+        ((edges, normals, uneven[::-1] * u), "other velocities of sizes from 10⁻⁶ to 1"),
+        (
+            (
+                more,
+                directions(random.uniform(0, 2 * np.pi, len(more))),
+                random.normal(size=(int(more.max()) + 1, 2)),
+            ),
+            "sixty-seven edges",
+        ),
+        ((edges, level_or_upright, integers(u)), "normals and velocities of integers"),
     )
 
 

@@ -116,6 +116,7 @@ def system_inputs(seed: int) -> tuple[Call, ...]:
     p, n, x = samples(random, 9)
     few = samples(random, 4)
     one, normal, at = samples(random, 1)
+    level = np.where((np.arange(9) % 3)[:, np.newaxis] == [1, 2], x, p)
     return calls_of(
         "system",
         ((p, n, x), "nine samples"),
@@ -129,6 +130,17 @@ def system_inputs(seed: int) -> tuple[Call, ...]:
         (
             (integers(few[0]), few[1], integers(few[2])),
             "four samples, midpoints and vertex of integers",
+        ),
+        ((level, n, x), "nine samples, some level with the vertex or right above it"),
+        ((p * [1, 0], n, x * [1, 0]), "nine samples, all level with the vertex"),
+        ((p * [0, 1], n, x * [0, 1]), "nine samples, all above or below the vertex"),
+        ((1e-5 * p, n, 1e-5 * x), "nine samples, all lengths of the size 10⁻⁵"),
+        ((1e-4 * few[0], few[1], 1e-4 * few[2]), "four samples, all lengths of the size 10⁻⁴"),
+        ((1e5 * p, n, 1e5 * x), "nine samples, all lengths of the size 10⁵"),
+        (samples(random, 67), "sixty-seven samples"),
+        (
+            (integers(p), along_axes(random, 9, 2), integers(x)),
+            "nine samples, all numbers integers",
         ),
     )
 
@@ -181,9 +193,27 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
         ((p, n, v, x, uneven[::-1]), "the first edges, another weight far above the others"),
         *(
             ((p, n, random.normal(size=few), x, random.uniform(0.4, 2.5, few)), case)
-            for few, case in ((5, "five edges"), (4, "four edges"), (5, "five other edges"))
+            for few, case in (
+                (5, "five edges"),
+                (4, "four edges"),
+                (5, "five other edges"),
+                (43, "forty-three edges"),
+                (67, "sixty-seven edges"),
+                (101, "101 edges"),
+            )
             for p, n, x in [samples(random, few)]
         ),
+        *(
+            ((p, n, size * v, x, w), f"the first edges, velocities of the size {words}")
+            for size, words in ((1e-5, "10⁻⁵"), (1e-9, "10⁻⁹"), (1e5, "10⁵"), (1e9, "10⁹"))
+        ),
+        ((integers(p, 10), n, v, integers(x, 10), w), "midpoints and vertex of integers"),
+        (
+            (p, along_axes(random, 12, 2), integers(v), x, random.integers(1, 5, 12)),
+            "normals, velocities and weights of integers",
+        ),
+        ((p, n, integers(v), x, random.integers(1, 5, 12)), "velocities and weights of integers"),
+        ((p, n, 0 * v, x, w), "no flow"),
     )
 
 
@@ -258,6 +288,13 @@ def ranks_inputs(seed: int) -> tuple[Call, ...]:
             "ranks",
             ((nearly(random, regular), squares, 1), "a grid that is nearly regular"),
             ((nearly(random, longer), oblong, 1), "an oblong grid that is nearly regular"),
+            ((integers(points, 1e4), triangles, 1), "a mesh of integers"),
+            ((1e8 * points, triangles, 1), "the same mesh in a square of 10⁸"),
+            ((*mesh(random, 7, 6), 1), "a mesh of eighty-six triangles"),
+        ),
+        Call("ranks", (regular.astype(int), squares, 1), "a regular grid of integers", (0,)),
+        Call(
+            "ranks", (np.array([[0, 0], [4, 1], [1, 3]]), np.array([[2, 0, 1]]), 1), "one triangle"
         ),
     )
 

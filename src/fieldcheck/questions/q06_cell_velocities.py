@@ -65,7 +65,7 @@ def cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 def normals_inputs(seed: int) -> tuple[Call, ...]:
     """Return triangles of both orientations, an obtuse one, and small ones."""
     random = np.random.default_rng(seed)
-    return calls_of(
+    near = calls_of(
         "outward_normals",
         ((triangle(random, True, 3.0),), "a triangle, counter-clockwise"),
         ((triangle(random, False, 0.5),), "a smaller triangle, clockwise"),
@@ -75,7 +75,33 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((1e-12 * triangle(random, True),), "a triangle of the size 10⁻¹², counter-clockwise"),
         ((integers(triangle(random, True), 1e4),), "a triangle of integers, counter-clockwise"),
         ((integers(triangle(random, False), 1e4),), "a triangle of integers, clockwise"),
+        ((1e8 * triangle(random, True),), "a triangle of the size 10⁸, counter-clockwise"),
+        ((1e8 * triangle(random, False),), "a triangle of the size 10⁸, clockwise"),
+        ((flat_and_oblique(random, 1e-3),), "a flat triangle"),
+        ((flat_and_oblique(random, 1e-3)[::-1].copy(),), "a flat triangle, clockwise"),
     )
+    far = tuple(
+        Call(
+            "outward_normals",
+            (far_away(triangle(random, counter_clockwise, size)),),
+            f"a triangle of the size {words} far away, {order}",
+            exact=(0,),
+        )
+        for counter_clockwise, order in ((True, "counter-clockwise"), (False, "clockwise"))
+        for size, words in ((1.0, "1"), (1e-3, "10⁻³"), (1e-4, "10⁻⁴"))
+    )
+    return near + far
+
+
+def flat_and_oblique(random: np.random.Generator, height: float) -> np.ndarray:
+    """Return a flat triangle, listed counter-clockwise, with no side along an axis."""
+    (turn,) = directions(random.uniform(0.3, 1.2, 1))
+    return obtuse(random) @ (np.array([[1], [height]]) * [turn, across(turn)])
+
+
+def across(vector: np.ndarray) -> np.ndarray:
+    """Return a vector rotated by a right angle."""
+    return vector[::-1] * [-1, 1]
 
 
 @law("A unit normal must have length one.")
@@ -127,7 +153,8 @@ def velocity_inputs(name: str, seed: int) -> tuple[Call, ...]:
     q = triangle(random, True)
     v = normal_velocities(random, q)
     small, wide, flat = triangle(random, False, 0.2), obtuse(random), obtuse(random) * [1, 0.05]
-    return calls_of(
+    quarter_turn = wide[:, ::-1] * [-1, 1]
+    near = calls_of(
         name,
         ((q, v), "normal velocities at random"),
         ((q, v + projections(q)), "the same data plus those of the velocity (2, −1)"),
@@ -146,7 +173,28 @@ def velocity_inputs(name: str, seed: int) -> tuple[Call, ...]:
             (flat * [1, 2e-3], normal_velocities(random, flat)),
             "a triangle flatter than a thousandth",
         ),
+        ((quarter_turn, normal_velocities(random, wide)), "the obtuse triangle, rotated"),
+        ((wide[:, ::-1].copy(), normal_velocities(random, wide)), "the obtuse triangle, mirrored"),
+        ((q[:, ::-1] * [-1, 1], v), "the first triangle, rotated"),
+        ((-q, v), "the first triangle, turned upside down"),
+        ((q, 1e-6 * v), "velocities of the size 10⁻⁶"),
+        ((small, 1e-12 * normal_velocities(random, small)), "velocities of the size 10⁻¹²"),
+        ((small, 1e6 * normal_velocities(random, small)), "velocities of the size 10⁶"),
+        ((q, 1e9 * v), "velocities of the size 10⁹"),
+        ((1e-6 * q, v), "a triangle of the size 10⁻⁶"),
+        ((1e8 * wide, normal_velocities(random, wide)), "a triangle of the size 10⁸"),
+        ((1e5 * q, v), "a triangle of the size 10⁵"),
+        ((wide, np.zeros(3)), "no flow"),
+        ((q, integers(v)), "velocities of integers"),
     )
+    far = tuple(
+        Call(name, (p, normal_velocities(random, p)), case, exact=(0,))
+        for p, case in (
+            (far_away(triangle(random, False)), "a triangle 10⁶ away, clockwise"),
+            (far_away(obtuse(random)), "an obtuse triangle, 10⁶ away"),
+        )
+    )
+    return near + far
 
 
 WIND = np.array([2.0, -1.0])
@@ -189,7 +237,7 @@ def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     q = triangle(random, True)
     return calls_of(
-        "circumcentre",
+        "circumcenter",
         ((q,), "a triangle"),
         ((obtuse(random),), "an obtuse triangle"),
         ((q + FAR,), "the first triangle, far from the origin"),
@@ -204,6 +252,9 @@ def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
         ((obtuse(random) * [0.02, 1] + 2,), "a narrow triangle"),
         ((integers(triangle(random, True)),), "a triangle of integers"),
         ((integers(obtuse(random)),), "an obtuse triangle of integers"),
+        ((1e-6 * triangle(random, True),), "a triangle of the size 10⁻⁶"),
+        ((1e5 * triangle(random, True),), "a triangle of the size 10⁵"),
+        ((1e5 * obtuse(random),), "an obtuse triangle of the size 10⁵"),
     )
 
 
@@ -230,6 +281,18 @@ def truth_inputs(seed: int) -> tuple[Call, ...]:
         ((x[1:], m, -31.05), "five points, s = −31.05"),
         ((integers(x), m, 0.5314), "six points, integers, and s = 0.5314"),
         ((integers(x[2:]), integers(m), -0.271), "points and centre, integers"),
+        ((x, m, 2), "six points, s = 2, an integer"),
+        ((integers(x), integers(m), -3), "points, centre and s = −3, integers"),
+        ((x, integers(m), 0.618), "a centre of integers"),
+        ((1e-6 * x, 1e-6 * m, 0.4), "points in a square of 10⁻⁶"),
+        ((1e-9 * x, 1e-9 * m, -0.4), "points in a square of 10⁻⁹"),
+        ((1e6 * x, 1e6 * m, 0.4), "points in a square of 10⁶"),
+        ((random.uniform(-1, 2, (67, 2)), m, 0.357), "sixty-seven points"),
+        (
+            (np.add(m, [[0, 1], [2, 0], [-1, 0]]), m, 0.9),
+            "three points level with the centre or above it",
+        ),
+        ((m + 0 * x[:1], m, 0.7), "one point, the centre"),
     )
 
 
@@ -264,13 +327,27 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
     """Return a mesh with a rotation, the same mesh at twice the size, and with expansion."""
     random = np.random.default_rng(seed)
     points, triangles = mesh(random, 3, 3)
-    return calls_of(
+    shift = AWAY * np.array([[1, -1], [-1, 1]]) / 64
+    near = calls_of(
         "errors",
         ((points, triangles, 0.0), "a rotation, s = 0"),
         ((2 * points, triangles, 0.0), "the same rotation on a mesh twice as large"),
         ((points, triangles, 0.8), "an expansion, s = 0.8"),
         ((triangle(random, True), np.array([[2, 0, 1]]), -0.537), "a single triangle, s = −0.537"),
+        ((points, triangles, 1), "an expansion, s = 1, an integer"),
+        ((integers(points), triangles, -2), "points and s = −2, integers"),
+        ((integers(points), triangles, 0.37), "a mesh of integers"),
+        ((1e-6 * points, triangles, 0.8), "an expansion on a mesh in a square of 10⁻⁶"),
+        ((1e-9 * points, triangles, 0.8), "an expansion on a mesh in a square of 10⁻⁹"),
+        ((1e6 * points, triangles, 0.8), "an expansion on a mesh in a square of 10⁶"),
+        ((*mesh(random, 6, 5), 0.71), "a mesh of sixty-two triangles"),
     )
+    rounded = in_short_binary_numbers(points)
+    far = tuple(
+        Call("errors", (rounded + move, triangles, s), f"a mesh 10⁴ away, s = {s}", exact=(0,))
+        for move, s in zip(shift, (0.8, 0.45), strict=True)
+    )
+    return near + far
 
 
 @law("For a rotation the error at the circumcentres must be zero.")
@@ -306,11 +383,24 @@ def raviart_thomas_inputs(seed: int) -> tuple[Call, ...]:
         ((1e-9 * q, v, 1e-9 * on[1] + 1e-10), "a triangle of the size 10⁻⁹"),
         ((integers(q), v, integers(random.random(2))), "a triangle and a point, integers"),
         ((integers(q), integers(v), random.random(2)), "a triangle and velocities, integers"),
+        ((q, v, np.array([1, 2])), "a point of integers"),
+        ((q, 1e-6 * v, random.random(2)), "velocities of the size 10⁻⁶"),
+        ((q, 1e-12 * v, random.random(2)), "velocities of the size 10⁻¹²"),
+        ((q, 1e6 * v, random.random(2)), "velocities of the size 10⁶"),
+        ((1e-6 * q, v, 1e-6 * random.random(2)), "a triangle of the size 10⁻⁶"),
+        ((1e5 * q, v, 1e5 * random.random(2)), "a triangle of the size 10⁵"),
+        ((1e8 * q, v, 1e8 * random.random(2)), "a triangle of the size 10⁸"),
+        ((q[:, ::-1] * [-1, 1], v, random.random(2)), "the first triangle, rotated"),
+        ((-q, v, random.random(2)), "the first triangle, turned upside down"),
     )
-    away, x = np.split(
-        far_away(np.append(triangle(random, True), random.random((1, 2)), axis=0)), [3]
-    )
-    return (*near, Call(name, (away, v, x[0]), "a triangle 10⁶ away", exact=(0, 2)))
+    far = []
+    for corners, case in (
+        (triangle(random, True), "a triangle 10⁶ away"),
+        (triangle(random, False), "a triangle 10⁶ away, clockwise"),
+    ):
+        *away, x = far_away(np.append(corners, random.random((1, 2)), axis=0))
+        far.append(Call(name, (np.array(away), v, x), case, exact=(0, 2)))
+    return (*near, *far)
 
 
 @law("At every point of a side the normal velocity must be the given one.")
@@ -349,7 +439,7 @@ QUESTIONS = (
     ),
     Question(
         "06.4",
-        "circumcentre",
+        "circumcenter",
         3,
         circumcentre_inputs,
         lambda _: ((2,),),

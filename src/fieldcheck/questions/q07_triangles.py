@@ -6,6 +6,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Law, Question, law_of_each, relative
+from fieldcheck.questions.q05_edges import in_short_binary_numbers
 from fieldcheck.simplices import (
     is_equally_far,
     is_halved,
@@ -13,6 +14,7 @@ from fieldcheck.simplices import (
     relative_to_a_corner,
     tolerance_far_away,
 )
+from fieldcheck.variants import one_changed
 
 # 07.1 The hexagon
 
@@ -30,7 +32,7 @@ def hexagon_inputs(seed: int) -> tuple[Call, ...]:
             ((-1, -1), (0.9, 1.5), -random.uniform(0.2, 0.9)),
         )
     )
-    return calls_of(
+    calls = calls_of(
         "hexagon",
         (small, "a small hexagon"),
         (clockwise, "a large hexagon, turned clockwise"),
@@ -45,6 +47,19 @@ def hexagon_inputs(seed: int) -> tuple[Call, ...]:
             (random.integers(1, 9, 2) * [-1, 1], *clockwise[1:]),
             "the second hexagon, a centre of integers",
         ),
+        ((small[0], 3, small[2]), "a radius that is an integer"),
+        (
+            (random.integers(1, 9, 2) * [-1, 1], int(random.integers(2, 9)), -2),
+            "a centre, a radius and an angle that are integers",
+        ),
+        ((clockwise[0], int(random.integers(2, 9)), 0), "the angle zero"),
+    )
+    center, radius, turn = another
+    return calls + one_changed(
+        calls[0],
+        ("another centre", center),
+        ("another radius", radius),
+        ("another angle", turn),
     )
 
 
@@ -102,6 +117,8 @@ def triangles(name: str, seed: int) -> tuple[Call, ...]:
             )
         ),
         ((1e-8 * b, 1e-8 * a, 1e-8 * far), "an obtuse triangle of the size 10⁻⁸"),
+        ((1e5 * a, 1e5 * c, 1e5 * b), "a triangle of the size 10⁵"),
+        ((1e5 * b, 1e5 * a, 1e5 * far), "an obtuse triangle of the size 10⁵"),
     )
 
 
@@ -118,6 +135,35 @@ def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
     )
     cases = ("the first triangle, far from the origin", "an obtuse triangle far from the origin")
     return near + moved_far_away((near[0], near[3]), cases) + thin
+
+
+def area_inputs(seed: int) -> tuple[Call, ...]:
+    """Return the triangles, two needles, and two of the triangles far from the origin.
+
+    The coordinates of the last four are rounded, so that their differences are exact.
+    """
+    near = triangles("area", seed)
+    random = np.random.default_rng(seed + 1)
+    ends = random.uniform(0.3, 1, (2, 2)) * [[1, 1], [1, -1]]
+    needles = [
+        in_short_binary_numbers(np.array([[0, 0], end, part * end + 3e-6 * across]))
+        for end, part, across in zip(ends, (0.4, 0.7), ends[:, ::-1] * [1, -1], strict=True)
+    ]
+    moved = [
+        in_short_binary_numbers(np.array(call.arguments)) + 2.0**14 * np.array([1, -1])
+        for call in (near[0], near[3])
+    ]
+    cases = (
+        "a needle",
+        "another needle",
+        "the first triangle, 10⁴ away",
+        "an obtuse triangle, 10⁴ away",
+    )
+    corners = (needles[0], needles[1][[2, 0, 1]], *moved)
+    return near + tuple(
+        Call("area", tuple(three), case, exact=(0, 1, 2))
+        for three, case in zip(corners, cases, strict=True)
+    )
 
 
 AREA_IS_HALVED = Law(
@@ -151,7 +197,7 @@ QUESTIONS = (
         "07.3",
         "area",
         1,
-        lambda seed: triangles("area", seed),
+        area_inputs,
         lambda _: ((),),
         (AREA_IS_HALVED,),
     ),

@@ -13,6 +13,7 @@ import numpy as np
 from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Law, Question, law, law_of_each, relative
 from fieldcheck.questions.q05_edges import in_short_binary_numbers
+from fieldcheck.variants import one_changed
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray]
 SLOPES = np.array([2.0, -1.0])
@@ -121,6 +122,25 @@ def cells_of_integers(random: np.random.Generator) -> tuple[tuple[Star, np.ndarr
     return tuple(cells)
 
 
+def cells_with_integer_vertices(
+    random: np.random.Generator,
+) -> Iterator[tuple[Star, np.ndarray, str]]:
+    """Yield cells of integers, points inside, and words: the neighbours are integers too, or the
+    vertex is, but not both.
+    """
+    cells = cells_of_integers(random)
+    for ((center, rim, corners), inside), n in zip(cells, ("eight", "four"), strict=True):
+        yield (center, np.rint(rim).astype(int), corners), inside, f"{n} neighbours in integers"
+        yield (center.astype(int), rim, corners), inside, f"{n} neighbours, a vertex in integers"
+
+
+def enlarged(cell: Star) -> Star:
+    """Return the cell of the same vertex with neighbours at one and a half times the distance."""
+    center, *others = cell
+    rim, corners = (center + 1.5 * (part - center) for part in others)
+    return center, rim, corners
+
+
 def reproduction_error(omega: np.ndarray, corners: np.ndarray, x: np.ndarray) -> float:
     """Return the difference between the weighted mean of the corners and the evaluation point."""
     return relative(omega @ corners - x, corners - x.mean(axis=0))
@@ -153,6 +173,18 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
     cases = ("eight neighbours, integers", "four neighbours, integers")
     for (cell, inside), case in zip(cells_of_integers(random), cases, strict=True):
         calls.append(Call("weights", (*cell, inside[0]), case))
+    for cell, inside, case in cells_with_integer_vertices(random):
+        calls.append(Call("weights", (*cell, inside[0]), case))
+    for call in calls[:2]:
+        huge = tuple(1e6 * part for part in call.arguments)
+        calls.append(Call("weights", huge, f"{call.case}, everything of the size 10⁶"))
+        center, rim, corners, x = call.arguments
+        other = point_for_weights(random, center, rim, corners)
+        calls.append(Call("weights", (center, rim, corners, other), f"{call.case}, another point"))
+        larger = (*enlarged((center, rim, corners)), x)
+        calls.append(Call("weights", larger, f"{call.case}, the same point in a larger cell"))
+    many = star(random, 43)
+    calls.append(Call("weights", (*many, point_for_weights(random, *many)), "43 neighbours"))
     return tuple(calls)
 
 
@@ -210,6 +242,23 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
             calls.append(Call("coordinates", scaled, f"{call.case}, of the size {words}"))
     for (cell, inside), case in zip(cells_of_integers(random), INTEGERS, strict=True):
         calls.append(Call("coordinates", (*cell, inside), case))
+    for cell, inside, case in cells_with_integer_vertices(random):
+        calls.append(Call("coordinates", (*cell, inside), case))
+    for call in (calls[0], calls[4]):
+        center, rim, corners, x = call.arguments
+        other = points_inside(random, center, corners, len(x))
+        calls.append(
+            Call("coordinates", (center, rim, corners, other), f"{call.case}, other points")
+        )
+        larger = (*enlarged((center, rim, corners)), x)
+        calls.append(Call("coordinates", larger, f"{call.case}, the same points in a larger cell"))
+    for n, m, case in (
+        (3, 69, "69 points in a cell of three neighbours"),
+        (43, 2, "two points in a cell of 43 neighbours"),
+    ):
+        center, rim, corners = star(random, n)
+        inside = points_inside(random, center, corners, m)
+        calls.append(Call("coordinates", (center, rim, corners, inside), case))
     return tuple(calls)
 
 
@@ -251,7 +300,7 @@ def spiral_inputs(seed: int) -> tuple[Call, ...]:
     middle = random.normal(size=2)
     regular = middle + 0.7 * np.column_stack([turns.real, turns.imag])
     eight, four = ((cell[0].astype(int), cell[2]) for cell, _ in cells_of_integers(random))
-    return calls_of(
+    calls = calls_of(
         "spiral",
         ((center, corners, 12), "twelve points in an uneven cell"),
         ((middle, regular, 50), "fifty points in a regular hexagon"),
@@ -260,6 +309,25 @@ def spiral_inputs(seed: int) -> tuple[Call, ...]:
         ((other, five, 1), "one point"),
         ((*eight, 12), "twelve points in a cell of integers"),
         ((*four, 7), "seven points in a cell of integers"),
+        ((other, five, 61), "61 points"),
+        ((middle, regular, 122), "122 points in a regular hexagon"),
+        *(
+            ((size * center, size * corners, 12), f"twelve points in a cell of the size {words}")
+            for size, words in ((1e-9, "10⁻⁹"), (1e6, "10⁶"))
+        ),
+        *(
+            ((size * other, size * five, 7), f"seven points in a cell of the size {words}")
+            for size, words in ((1e-9, "10⁻⁹"), (1e6, "10⁶"))
+        ),
+    )
+    return calls + tuple(
+        changed
+        for call, inner in ((calls[0], center), (calls[2], other))
+        for changed in one_changed(
+            call,
+            ("another vertex", inner + random.uniform(-0.1, 0.1, 2)),
+            ("a larger cell", inner + 1.5 * (call.arguments[1] - inner)),
+        )
     )
 
 
@@ -312,6 +380,28 @@ def interpolate_inputs(seed: int) -> tuple[Call, ...]:
         calls.append(Call("interpolate", (center, rim, corners, whole, x), case))
     for (cell, inside), case in zip(cells_of_integers(random), INTEGERS, strict=True):
         calls.append(Call("interpolate", (*cell, random.normal(size=len(cell[1])), inside), case))
+    for cell, inside, case in cells_with_integer_vertices(random):
+        calls.append(Call("interpolate", (*cell, random.normal(size=len(cell[1])), inside), case))
+    for call in (calls[1], calls[2]):
+        center, rim, corners, phi, x = call.arguments
+        same = center, rim, corners
+        for given, at, words in (
+            ((*same, random.normal(size=len(phi))), x, "other values"),
+            ((*same, phi), points_inside(random, center, corners, len(x)), "other points"),
+            ((*enlarged(same), phi), x, "the same points in a larger cell"),
+        ):
+            calls.append(Call("interpolate", (*given, at), f"{call.case}, {words}"))
+        for size, words in ((1e6, "10⁶"), (1e-9, "10⁻⁹")):
+            scaled = (*(size * part for part in same), phi, size * x)
+            calls.append(Call("interpolate", scaled, f"{call.case}, a cell of the size {words}"))
+    for n, m, case in (
+        (3, 69, "69 points and three values"),
+        (4, 101, "101 points and four values"),
+        (43, 3, "three points and 43 values"),
+    ):
+        center, rim, corners = star(random, n)
+        x = points_inside(random, center, corners, m)
+        calls.append(Call("interpolate", (center, rim, corners, random.normal(size=n), x), case))
     return tuple(calls)
 
 
@@ -358,6 +448,7 @@ def safe_inputs(seed: int) -> tuple[Call, ...]:
     tiny = tuple(2.0**-30 * part for part in on_square)
     *few, few_corners = star(random, 3)
     few_at = points_inside(random, few[0], few_corners, 1)
+    beyond = (*on_square[:2], beyond_edges(square, 0.25))
     name = "safe_coordinates"
     return (
         Call(name, (center, rim, x), "four points inside a cell"),
@@ -386,7 +477,48 @@ def safe_inputs(seed: int) -> tuple[Call, ...]:
         Call(name, (center, rim, x[:1]), "one point in the first cell"),
         Call(name, (*few, few_at), "one point in a cell of three neighbours"),
         *far_from_the_origin(random),
+        Call(name, beyond, "points on the extended edges of a square cell", exact=(0, 1, 2)),
+        Call(
+            name,
+            tuple(2.0**-30 * part for part in beyond),
+            "points on the extended edges of a square of the size 10⁻⁹",
+            exact=(0, 1, 2),
+        ),
+        Call(
+            name,
+            tuple(2.0**30 * part for part in on_square),
+            "the edges and corners of a square of the size 10⁹",
+            exact=(0, 1, 2),
+        ),
+        Call(name, (1e6 * center, 1e6 * rim, 1e6 * x), "four points inside a cell of the size 10⁶"),
+        *more_cells(random, (center, rim, corners), x),
     )
+
+
+def beyond_edges(corners: np.ndarray, part: float) -> np.ndarray:
+    """Return two points on the extension of each edge of a polygon, beyond either end."""
+    after = np.array([*corners[1:], corners[0]])
+    return np.concatenate(
+        [corners + part * (corners - after), after + part * (after - corners)],
+    )
+
+
+def more_cells(random: np.random.Generator, first: Star, x: np.ndarray) -> Iterator[Call]:
+    """Yield integers, other points in the first cell, the same ones in others, and many."""
+    name = "safe_coordinates"
+    for cell, inside, case in cells_with_integer_vertices(random):
+        yield Call(name, (*cell[:2], inside), case)
+    other = points_inside(random, first[0], first[2], len(x))
+    yield Call(name, (*first[:2], other), "other points in the first cell")
+    once = enlarged(first)
+    yield Call(name, (*once[:2], x), "the first points in a larger cell")
+    yield Call(name, (*enlarged(once)[:2], x), "the first points in a still larger cell")
+    for n, m, case in (
+        (3, 69, "69 points in a cell of three neighbours"),
+        (43, 2, "two points in a cell of 43 neighbours"),
+    ):
+        center, rim, corners = star(random, n)
+        yield Call(name, (center, rim, points_inside(random, center, corners, m)), case)
 
 
 def far_from_the_origin(random: np.random.Generator) -> Iterator[Call]:

@@ -6,13 +6,14 @@ are its mirror images in the faces. The circumcentres are therefore known and ne
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Law, Question, law, relative
+from fieldcheck.questions.q05_edges import in_short_binary_numbers
 from fieldcheck.questions.q07_voronoi_coordinates import (
     ONE,
     balances,
@@ -83,6 +84,16 @@ def cuboid(
     return middle + 2 * half * np.vstack([axes, -axes]), cells, middle + half * signs
 
 
+def enlarged(center: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Return points at one and a half times their distance from the centre."""
+    return center + 1.5 * (points - center)
+
+
+def moved(points: np.ndarray) -> np.ndarray:
+    """Return rounded points 10⁴ away: their differences are exact."""
+    return in_short_binary_numbers(points) + 2.0**14 * np.array([1, -1, 1])
+
+
 # 08.1 and 08.2 Tetrahedra
 
 
@@ -104,7 +115,31 @@ def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
         (tuple(integers(p) for p in (a, b, c, d)), "a tetrahedron of integers"),
         (tuple(integers(p, 200) for p in (a, c, b, d)), "another tetrahedron of integers"),
         (tuple(2.0**-34 * p for p in (a, b, c, d)), "a tetrahedron of the size 10⁻¹⁰"),
+        (tuple(1e5 * p for p in (a, b, c, d)), "a tetrahedron of the size 10⁵"),
+        (tuple(1e5 * p for p in (b, a, c, low)), "a flat tetrahedron of the size 10⁵"),
+        ((a, b, 1.2 * a - 0.2 * b + 0.3 * (c - a), d), "an obtuse angle at a"),
+        ((a, 1.3 * a - 0.3 * d + 0.4 * (b - a), c, d), "another obtuse angle at a"),
     )
+
+
+def volume_inputs(seed: int) -> tuple[Call, ...]:
+    """Return the tetrahedra, two slivers, and two of the tetrahedra far from the origin."""
+    near = tetrahedra("volume", seed)
+    random = np.random.default_rng(seed + 1)
+    calls = []
+    for order, case in (((0, 1, 2, 3), "a sliver"), ((3, 1, 0, 2), "another sliver")):
+        three = np.array([[0, 0, 0], [1, 0, 0.4], [0.3, 1, 0]]) + random.uniform(0, 0.3, (3, 3))
+        above = 1e-5 * random.uniform(1, 2, 3) * [-1, -1, 1]
+        four = in_short_binary_numbers(np.vstack([three, random.dirichlet([9, 9, 9]) @ three]))
+        four[3] += in_short_binary_numbers(above)
+        calls.append(Call("volume", tuple(four[list(order)]), case, exact=(0, 1, 2, 3)))
+    for call, case in (
+        (near[0], "the first tetrahedron, 10⁴ away"),
+        (near[3], "a flat tetrahedron, 10⁴ away"),
+    ):
+        far = tuple(moved(corner) for corner in call.arguments)
+        calls.append(Call("volume", far, case, exact=(0, 1, 2, 3)))
+    return near + tuple(calls)
 
 
 VOLUME_IS_HALVED = Law(
@@ -143,7 +178,8 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     frame = np.linalg.qr(random.normal(size=(3, 3)))[0]
     frame = -np.sign(np.linalg.det(frame)) * frame
     name = "volume_of_normals"
-    return calls_of(
+    obtuse = edges * [[1], [1], [-1]]
+    calls = calls_of(
         name,
         ((center, center + edges), "a tetrahedron"),
         (
@@ -158,6 +194,17 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((center, integers(edges)), "tips in an array of integers"),
         ((-center, integers(edges[[2, 0, 1]], 7)), "tips in an array of small integers"),
         ((2.0**-34 * center, 2.0**-34 * (center + edges)), "a tetrahedron of the size 10⁻¹⁰"),
+        ((center, center + obtuse), "obtuse angles"),
+        ((-center, obtuse[[2, 0, 1]] - center), "obtuse angles elsewhere"),
+        ((2.0**-30 * center, 2.0**-30 * (center + obtuse)), "obtuse angles, the size 10⁻⁹"),
+        ((2.0**30 * center, 2.0**30 * (center + edges)), "a tetrahedron of the size 10⁹"),
+        ((1e6 * center, 1e6 * (center + obtuse)), "obtuse angles, the size 10⁶"),
+        ((random.integers(-9, 10, 3), 20 * edges), "a vertex in an array of integers"),
+        ((random.integers(-9, 10, 3), 30 * obtuse), "a vertex of integers, obtuse angles"),
+    )
+    return calls + tuple(
+        Call(name, (moved(center), moved(center + part)), f"{words}, 10⁴ away", exact=(0, 1))
+        for part, words in ((edges, "a tetrahedron"), (obtuse, "obtuse angles"))
     )
 
 
@@ -197,7 +244,36 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
     middle, half = random.integers(-9, 10, 3), random.integers(2, 9, 3)
     x = middle + half * random.uniform(-0.7, 0.7, 3)
     whole = (middle.astype(float), *cuboid(middle, half), x)
-    return (*calls, Call("weights", whole, "a cuboid with arrays of integers"))
+    return (
+        *calls,
+        Call("weights", whole, "a cuboid with arrays of integers"),
+        *more_weights(random, calls[:2]),
+    )
+
+
+def more_weights(random: np.random.Generator, calls: Sequence[Call]) -> Iterator[Call]:
+    """Yield large cells, other points and cells, integers, and many neighbours."""
+    for call in calls:
+        center, neighbors, cells, corners, x = call.arguments
+        huge = tuple(2.0**20 * part for part in (center, neighbors, corners, x))
+        larger = tuple(enlarged(center, part) for part in (neighbors, corners))
+        (other,) = points_inside(random, center, corners, 1)
+        for vertex, tips, ends, at, words in (
+            (*huge, "in a cell of the size 10⁶"),
+            (center, *larger, x, "the same point in a larger cell"),
+            (center, neighbors, corners, other, "another point"),
+        ):
+            yield Call("weights", (vertex, tips, cells, ends, at), f"{call.case}, {words}")
+    for _ in range(2):
+        middle, half = random.integers(-9, 10, 3), random.integers(2, 9, 3)
+        neighbors, cells, corners = cuboid(1.0 * middle, half)
+        x = middle + half * random.uniform(-0.7, 0.7, 3)
+        yield Call(
+            "weights", (middle, neighbors, cells, corners, x), "a vertex in an array of integers"
+        )
+    center, neighbors, cells, corners = star(random, 41)
+    (x,) = points_inside(random, center, corners, 1)
+    yield Call("weights", (center, neighbors, cells, corners, x), "43 neighbours")
 
 
 def point_outside(
@@ -234,7 +310,7 @@ def heights_inputs(seed: int) -> tuple[Call, ...]:
     center, neighbors, _, corners = star(random, 4)
     inside = points_inside(random, center, corners, 4)
     small = tuple(2.0**-20 * part for part in (center, neighbors, inside))
-    return calls_of(
+    calls = calls_of(
         "heights",
         ((center, neighbors, inside), "four points in a cell"),
         ((center, neighbors, np.vstack([center, neighbors])), "the vertex and its neighbours"),
@@ -244,7 +320,34 @@ def heights_inputs(seed: int) -> tuple[Call, ...]:
             (center, integers(neighbors, 9), integers(inside, 9)),
             "neighbours and points in arrays of integers",
         ),
+        *more_heights(random, center, neighbors, corners),
     )
+    return calls + tuple(
+        Call("heights", (moved(center), moved(neighbors), moved(x)), case, exact=(0, 1, 2))
+        for x, case in ((inside, "four points, 10⁴ away"), (corners, "eight corners, 10⁴ away"))
+    )
+
+
+def more_heights(
+    random: np.random.Generator, center: np.ndarray, neighbors: np.ndarray, corners: np.ndarray
+) -> Iterator[tuple[tuple[np.ndarray, ...], str]]:
+    """Yield one point, three points, many points and neighbours, and other units and vertices."""
+    inside = points_inside(random, center, corners, 4)
+    yield (center, neighbors, inside), "four other points in the first cell"
+    yield (center, enlarged(center, neighbors), inside), "the same points in a larger cell"
+    yield (center, enlarged(center, neighbors[:5]), inside[:1]), "one point, five neighbours"
+    yield (center, neighbors, inside[1:2]), "one point, six neighbours"
+    yield (center, neighbors, inside[:3]), "three points"
+    yield (center, neighbors[:3], inside[1:]), "three points and three neighbours"
+    for size, words in ((2.0**-30, "10⁻⁹"), (1e6, "10⁶"), (2.0**30, "10⁹")):
+        scaled = tuple(size * part for part in (center, neighbors, inside))
+        yield scaled, f"four points in a cell of the size {words}"
+    for k in (9, 20):
+        vertex = random.integers(-9, 10, 3)
+        yield (vertex, k * neighbors, k * inside), f"a vertex of integers, neighbours {k} away"
+    yield (center, neighbors[:2], center + random.normal(size=(69, 3))), "69 points"
+    many = center + random.normal(size=(43, 3))
+    yield (center, many, inside[:2]), "43 neighbours"
 
 
 @law(
@@ -312,7 +415,57 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
         ),
         Call(name, (center, neighbors, cells, x[:1]), "one point in a cell"),
         Call(name, integer, "points in a cuboid, in arrays of integers"),
+        *beside_the_cube(random, (middle, around, eight), side),
+        *more_cells(random, (center, neighbors, cells, corners), x),
     )
+
+
+def beside_the_cube(
+    random: np.random.Generator, cube: tuple[np.ndarray, ...], side: float
+) -> Iterator[Call]:
+    """Yield points outside a cube, in the plane of a face and on the line through an edge."""
+    out = np.array([[1.0, 1.5, 0.25], [-1.25, 0.5, -1.0], [1.0, 1.0, 1.5], [-1.0, 1.75, 1.0]])
+    middle, around, eight = cube
+    at = middle + side * random.permutation(out)
+    for size, words in ((1.0, ""), (2.0**-30, ", the size 10⁻⁹"), (2.0**30, ", the size 10⁹")):
+        yield Call(
+            "coordinates",
+            (size * middle, size * around, eight, size * at),
+            f"points in the planes of the faces, outside a cube{words}",
+            exact=(0, 1, 3),
+        )
+
+
+def more_cells(random: np.random.Generator, first: Star, x: np.ndarray) -> Iterator[Call]:
+    """Yield other points in the first cell and the same ones in others, cells far away, integers,
+    and many points and neighbours.
+    """
+    name = "coordinates"
+    center, neighbors, cells, corners = first
+    other = points_inside(random, center, corners, len(x))
+    once = enlarged(center, neighbors)
+    yield Call(name, (center, neighbors, cells, other), "other points in the first cell")
+    yield Call(name, (center, once, cells, x), "the first points in a larger cell")
+    yield Call(
+        name, (center, enlarged(center, once), cells, x), "the first points in a still larger cell"
+    )
+    yield Call(name, (center, neighbors, cells[::-1], x), "the first cell, tetrahedra reversed")
+    yield Call(name, (1e6 * center, 1e6 * neighbors, cells, 1e6 * x), "three points, the size 10⁶")
+    for at, words in ((x, "three points"), (other[:2], "two points")):
+        far = moved(center), moved(neighbors), cells, moved(at)
+        yield Call(name, far, f"{words} in a cell 10⁴ away", exact=(0, 1, 3))
+    for _ in range(2):
+        middle, half = random.integers(-9, 10, 3), random.integers(2, 9, 3)
+        places = middle + half * random.uniform(-0.7, 0.7, (2, 3))
+        around, eight, _corners = cuboid(1.0 * middle, half)
+        yield Call(name, (middle, around, eight, places), "a vertex in an array of integers")
+    for n, m, case in (
+        (3, 69, "69 points in a cell of five neighbours"),
+        (41, 2, "two points in a cell of 43 neighbours"),
+    ):
+        center, neighbors, cells, corners = star(random, n)
+        inside = points_inside(random, center, corners, m)
+        yield Call(name, (center, neighbors, cells, inside), case)
 
 
 @law(
@@ -330,7 +483,7 @@ QUESTIONS = (
         "08.1",
         "volume",
         1,
-        lambda seed: tetrahedra("volume", seed),
+        volume_inputs,
         lambda _: ((),),
         (VOLUME_IS_HALVED,),
     ),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -38,8 +38,29 @@ def monomials_inputs(seed: int) -> tuple[Call, ...]:
         (random.normal(size=(4, 2)), 3, "four points and the degree 3"),
         (random.normal(size=(3, 2)), 0, "three points and the degree 0"),
         (random.normal(size=(5, 2)), -1, "five points and no polynomial"),
+        (points, 3, "the same points and the degree 3"),
+        (points, 1, "the same points and the degree 1"),
+        (random.normal(size=(7, 2)), 2, "seven other points and the degree 2"),
+        (random.normal(size=(1, 2)), 2, "one point and the degree 2"),
+        (random.normal(size=(2, 2)), 3, "two points and the degree 3"),
+        (on_the_axes(random, 6), 3, "points on the axes and the degree 3"),
+        (on_the_axes(random, 9), 2, "points on the axes and the degree 2"),
+        (random.integers(2, 9, (5, 2)) * [1, -1], 3, "five points of integers and the degree 3"),
+        (random.integers(2, 9, (6, 2)) * [-1, 1], 2, "six points of integers and the degree 2"),
+        (1e-6 * random.normal(size=(5, 2)), 1, "five points in a box of the size 10⁻⁶, degree 1"),
+        (1e-6 * random.normal(size=(4, 2)), 2, "four points in a box of the size 10⁻⁶, degree 2"),
+        (1e4 * random.normal(size=(5, 2)), 2, "five points in a box of the size 10⁴, degree 2"),
+        (1e6 * random.normal(size=(4, 2)), 1, "four points in a box of the size 10⁶, degree 1"),
+        (random.normal(size=(69, 2)), 1, "69 points and the degree 1"),
     )
     return tuple(Call("monomials", (p, degree), case) for p, degree, case in cases)
+
+
+def on_the_axes(random: np.random.Generator, n: int) -> np.ndarray:
+    """Return n points, most of them on one of the axes, and the last one in the origin."""
+    points = random.normal(size=(n, 2))
+    points[1::3, 0] = points[2::3, 1] = points[-1] = 0
+    return points
 
 
 def monomials_shape(call: Call) -> tuple[tuple[int, ...], ...]:
@@ -120,8 +141,50 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
             "the cubes, with three conditions, the first one zero",
         ),
         (large + large.T, ridges(plane[:7], 1), "a matrix with eigenvalues beyond 10⁶"),
+        *more_forms(random, cube, root, plane, other),
     )
     return tuple(Call("least_eigenvalue", (a, p), case) for a, p, case in cases)
+
+
+def more_forms(
+    random: np.random.Generator,
+    cube: np.ndarray,
+    root: np.ndarray,
+    plane: np.ndarray,
+    other: np.ndarray,
+) -> Iterator[tuple[np.ndarray, np.ndarray, str]]:
+    """Yield forms whose least value is zero, other sizes, other types, and small and large ones."""
+    for points, words in ((plane, "nine"), (other, "eight")):
+        case = f"minus the squares of the distances of {words} points, and the constant"
+        yield -squares(points, points), ridges(points, 0), case
+    yield symmetric(random, 9), ridges(plane, 1), "another matrix, and the first conditions"
+    yield symmetric(random, 8), ridges(other, 0), "a symmetric matrix, and the constant"
+    for size, words in ((1e-6, "10⁻⁶"), (1e6, "10⁶")):
+        yield size * cube, ridges(plane, 1), f"the cubes in a matrix of the size {words}"
+        yield size * root, ridges(other, 0), f"minus the distances in a matrix of the size {words}"
+    for n in (6, 7):
+        whole = random.integers(-9, 10, (n, n))
+        sides = random.integers(1, 10, (n, 2))
+        yield whole + whole.T, 0.1 * sides, f"a matrix of {n} rows of integers, and two conditions"
+        yield symmetric(random, n), sides, f"a matrix of {n} rows, and two conditions in integers"
+    yield cube, np.zeros((9, 2)), "the cubes of nine distances, and two conditions that are zero"
+    yield np.array([[-random.uniform(2, 3)]]), np.zeros((1, 0)), "one point, and no conditions"
+    yield np.array([[random.uniform(2, 3)]]), np.zeros((1, 0)), "another point, and no conditions"
+    yield symmetric(random, 2), np.ones((2, 1)), "two points, and the constant"
+    yield symmetric(random, 3), random.normal(size=(3, 2)), "three points, and two conditions"
+    for n, m in ((43, 3), (45, 0)):
+        yield symmetric(random, n), random.normal(size=(n, m)), f"{n} points, and {m} conditions"
+
+
+def symmetric(random: np.random.Generator, n: int) -> np.ndarray:
+    half = random.normal(size=(n, n))
+    return half + half.T
+
+
+def zero_if_rounding(call: Call, values: Values) -> Values:
+    """Return an eigenvalue, or zero if it is far less than the entries of the matrix."""
+    (least,) = values
+    return (np.where(np.abs(least) < 1e-10 * np.abs(call.arguments[0]).max(), 0.0, least),)
 
 
 @law(
@@ -198,6 +261,8 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
         (nearer[:, ::-1], 1, "the same with exchanged coordinates"),
         (cloud(random, 12, 2), 3, "twelve points and the degree 3"),
         (whole, 3, "eight points on a circle, in an array of integers, and the degree 3"),
+        (cloud(random, 6, 2), 0, "six points and the degree 0"),
+        *many_points(random, turn),
     )
     exact = (
         (cloud(random, 6, 2) * [0, 1] + [0.7, 0], 1, "six points on an upright line, degree 1"),
@@ -212,6 +277,22 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
         *(Call("vanishing", (p, degree), case) for p, degree, case in cases),
         *(Call("vanishing", (p, degree), case, exact=(0,)) for p, degree, case in exact),
     )
+
+
+def many_points(random: np.random.Generator, turn: float) -> Iterator[tuple[np.ndarray, int, str]]:
+    """Yield more than forty points on a line or an ellipse, but for the first or the last one."""
+    line = np.outer(cloud(random, 43, 1), [np.cos(turn), np.sin(turn)])
+    angle = 2 * np.pi * cloud(random, 45, 1)[:, 0]
+    ellipse = np.stack([np.cos(angle), 0.6 * np.sin(angle)], axis=1)
+    for k, words in ((0, "first"), (-1, "last")):
+        beside, outside = line.copy(), ellipse.copy()
+        beside[k] += 0.3 * np.array([-np.sin(turn), np.cos(turn)])
+        outside[k] *= 1.4
+        yield beside, 1, f"43 points on a line, the {words} one beside it, degree 1"
+        yield outside, 2, f"45 points on an ellipse, the {words} one outside, degree 2"
+    steps = random.permutation(20)[:7] - 9
+    along = np.outer(steps, random.integers(1, 6, 2)) + random.integers(-9, 10, 2)
+    yield along, 1, "seven points on a line, in an array of integers, and the degree 1"
 
 
 @law_of_each(
@@ -240,9 +321,13 @@ def ring(random: np.random.Generator, n: int, radius: float) -> np.ndarray:
     return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
 
+UNISOLVENT = np.array([[0, 0], [1, 0], [0, 1], [1, 1], [0.5, -0.6], [-0.6, 0.5]])
+"""The first one, three and six of these points are unisolvent for the degrees 0, 1 and 2."""
+
+
 def field_inputs(seed: int) -> tuple[Call, ...]:
-    """Return values for several powers and degrees, also too low ones, and one case of integers;
-    the last evaluation points are the sites.
+    """Return values for several powers and degrees, also too low ones, and integers; the last
+    evaluation points are the sites.
     """
     random = np.random.default_rng(seed)
     cases = (
@@ -276,13 +361,54 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
         away = np.concatenate([2 * random.uniform(-1, 1, (24, 2)), points])
         values = random.normal(size=len(points))
         calls.append(Call("interpolate", (points, values, k, degree, away), case))
-    return (*calls, Call("interpolate", (sites, heights, 3, 1, x), "ten points of integers"))
+    return (
+        *calls,
+        Call("interpolate", (sites, heights, 3, 1, x), "ten points of integers"),
+        *more_fields(random, calls[0], calls[1]),
+    )
+
+
+def more_fields(random: np.random.Generator, *calls: Call) -> Iterator[Call]:
+    """Yield variants of calls, and few, many, equal and integer values, in several units."""
+    name = "interpolate"
+    for call in calls:
+        points, values, k, degree, x = call.arguments
+        n = len(points)
+        elsewhere = np.concatenate([random.uniform(-0.3, 1.3, (24, 2)), points])
+        moved = points + random.uniform(-0.02, 0.02, (n, 2))
+        for sites, given, at, words in (
+            (points, random.normal(size=n), x, "other values"),
+            (points, values, elsewhere, "other evaluation points"),
+            (moved, values, np.concatenate([x[:-n], moved]), "other points"),
+            (points, np.full(n, random.uniform(1, 3)), x, "equal values"),
+            (points, random.permutation(n) - 3, x, "values in an array of integers"),
+        ):
+            yield Call(name, (sites, given, k, degree, at), f"{call.case}, {words}")
+        yield Call(name, (points, values, 1, degree, x), f"{call.case}, k = 1 instead")
+        other = 3 - degree
+        yield Call(name, (points, values, k, other, x), f"{call.case}, the degree {other} instead")
+    for n, k, degree in ((1, 1, 0), (1, 3, 0), (2, 1, 0), (3, 2, 1), (3, 3, 1), (6, 3, 2)):
+        points = 2 * UNISOLVENT[:n] + random.uniform(-0.2, 0.2, (n, 2))
+        x = np.concatenate([random.uniform(-1, 3, (24, 2)), points])
+        case = f"k = {k}, the degree {degree}, number of points: {n}"
+        yield Call(name, (points, random.normal(size=n), k, degree, x), case)
+    for size, n, k in ((0.05, 11, 3), (0.05, 12, 2), (100, 11, 3), (300, 12, 2)):
+        points = cloud(random, n, 2)
+        x = np.concatenate([random.uniform(-0.3, 1.3, (24, 2)), points])
+        case = f"{n} points in a box of the size {size}, k = {k} and the degree 1"
+        yield Call(name, (size * points, random.normal(size=n), k, 1, size * x), case)
+    for n, m, case in ((43, 24, "43 points"), (12, 69, "69 evaluation points")):
+        points = cloud(random, n, 2)
+        x = np.concatenate([random.uniform(-0.3, 1.3, (m - n * (m > 99), 2)), points])
+        yield Call(
+            name, (points, random.normal(size=n), 1, 0, x), f"{case}, k = 1 and the degree 0"
+        )
 
 
 @law("The field must go through the values.", 1e-8)
 def interpolates_the_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return max(
-        relative(f[24:] - c.arguments[1], c.arguments[1])
+        relative(f[-len(c.arguments[0]) :] - c.arguments[1], c.arguments[1])
         for c, (f,) in zip(calls, values, strict=True)
     )
 
@@ -299,7 +425,9 @@ def is_kernels_and_a_polynomial(call: Call, values: Values) -> float:
     (f,) = values
     points, wanted, k, degree, place = call.arguments
     columns = np.column_stack([powers(squares(place, points), k), ridges(place, degree)])
-    found = np.linalg.lstsq(columns, f)[0]
+    size = np.linalg.norm(columns, axis=0)
+    size = np.where(size > 0, size, 1)
+    found = np.linalg.lstsq(columns / size, f)[0] / size
     moments = ridges(points, degree).T.dot(found[: len(points)])
     largest = max(np.abs(found[: len(points)]).max(), np.abs(wanted).max())
     return max(relative(columns.dot(found) - f, f), relative(moments, largest))
@@ -317,6 +445,23 @@ def wendland_inputs(seed: int) -> tuple[Call, ...]:
         r = np.concatenate([[0, 1], random.random(6), 1 + random.random(2) * [1, 30]])
         shaped = r.reshape(2, 5) if d == 2 else r
         calls.append(Call("wendland", (shaped, d, s), f"D = {d} and s = {s}"))
+    r = calls[0].arguments[0]
+    shapes = ((69,), (9, 31), (2, 3, 4))
+    many = (np.append(0.0, random.uniform(0, 1.2, np.prod(n) - 1)).reshape(n) for n in shapes)
+    for distances, d, s, words in (
+        (r, 1, 0, "the first distances"),
+        (r, 3, 1, "the first distances"),
+        (r[::-1], 3, 0, "the first distances in reverse order"),
+        (r[::-1], 3, 1, "the first distances in reverse order"),
+        (random.permutation(4), 2, 1, "distances in an array of integers"),
+        (random.permutation(5), 3, 0, "distances in an array of integers"),
+        (random.uniform(0, 1, 1), 3, 1, "one distance"),
+        (random.uniform(0, 1, (1, 1)), 2, 0, "one distance in a matrix"),
+        (next(many), 3, 1, "69 distances"),
+        (next(many), 1, 0, "a matrix of 9 times 31 distances"),
+        (next(many), 5, 1, "distances of the shape (2, 3, 4)"),
+    ):
+        calls.append(Call("wendland", (distances, d, s), f"{words}, D = {d} and s = {s}"))
     return tuple(calls)
 
 
@@ -328,18 +473,22 @@ def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation from the integral by Gauss quadrature for s = 1, and from a power for s
     = 0.
     """
-    node, weight = np.polynomial.legendre.leggauss(8)
     worst = 0.0
     for call, (f,) in zip(calls, values, strict=True):
         r, d, s = call.arguments
-        start = np.minimum(r, 1)[..., None]
-        t = start + (1 - start) * (1 + node) / 2
-        wanted = (1 - start[..., 0]) ** (d // 2 + 1)
+        start = np.minimum(r, 1)
+        wanted = (1 - start) ** (d // 2 + 1)
         if s:
-            area = (t * (1 - t) ** (d // 2 + 2)).dot(weight) * (1 - start[..., 0])
-            wanted = area / area.ravel()[0]
+            wanted = _area_beyond(start, d) / _area_beyond(np.array(0.0), d)
         worst = max(worst, relative(f - wanted, 1.0))
     return worst
+
+
+def _area_beyond(start: np.ndarray, d: int) -> np.ndarray:
+    """Return twice the integral (9.9) without its factor, by Gauss quadrature."""
+    node, weight = np.polynomial.legendre.leggauss(8)
+    t = start[..., None] + (1 - start[..., None]) * (1 + node) / 2
+    return (t * (1 - t) ** (d // 2 + 2)).dot(weight) * (1 - start)
 
 
 # 09.6 Two points exchange their positions
@@ -380,7 +529,30 @@ def exchange_inputs(seed: int) -> tuple[Call, ...]:
         calls.append(
             Call("exchange_time", (three,), f"a third point nearly in line, on the {side}")
         )
-    return tuple(calls)
+    for call in (calls[0], calls[3]):
+        for size, words in ((1e-9, "10⁻⁹"), (1e6, "10⁶")):
+            three = size * call.arguments[0]
+            calls.append(Call("exchange_time", (three,), f"{call.case}, of the size {words}"))
+    return (*calls, *upright_and_level(random))
+
+
+def upright_and_level(random: np.random.Generator) -> Iterator[Call]:
+    """Yield third points exactly above m, beside it, and at a right angle to the first side."""
+    for arm, third, words in (
+        ([1.0, 0.5], [0, 1.5], "exactly above the middle of the first two"),
+        ([-0.5, 1.0], [0, -1.25], "exactly below the middle of the first two"),
+        ([1.0, 0.5], [1.5, 0], "exactly to the right of the middle of the first two"),
+        ([0.75, -1.0], [-1.25, 0], "exactly to the left of the middle of the first two"),
+        ([0, 1.0], [1.5, 0.75], "and the first two on an upright line"),
+        ([1.0, 0], [0.75, -1.5], "and the first two on a level line"),
+        ([0, -1.0], [1.5, 0], "to the right of an upright line"),
+        ([1.0, 0.5], [-1.0, 2.0], "at a right angle to the first two"),
+    ):
+        center = random.integers(-9, 10, 2)
+        long, far = 2.0 ** random.integers(-2, 3, 2)
+        step = long * np.array(arm)
+        three = np.stack([center + step, center - step, center + far * np.array(third)])
+        yield Call("exchange_time", (three,), f"a third point {words}", exact=(0,))
 
 
 def _turn(angle: float) -> np.ndarray:
@@ -411,6 +583,14 @@ def slope_inputs(seed: int) -> tuple[Call, ...]:
     return (
         *calls,
         Call("slope_matrix", (random.permutation(np.arange(4)) ** 2 - 5,), "four integers"),
+        Call("slope_matrix", (random.permutation(np.arange(5)) * 3 - 7,), "five integers"),
+        Call("slope_matrix", (random.normal(size=1),), "one point"),
+        Call("slope_matrix", (np.array([-random.uniform(2, 3)]),), "another point"),
+        Call("slope_matrix", (3 * cloud(random, 4, 1)[:, 0],), "four other points"),
+        Call("slope_matrix", (1e-3 * cloud(random, 4, 1)[:, 0],), "four points 10⁻³ apart"),
+        Call("slope_matrix", (1e3 * cloud(random, 4, 1)[:, 0],), "four points 10³ apart"),
+        Call("slope_matrix", (1e3 * cloud(random, 3, 1)[:, 0],), "three points 10³ apart"),
+        Call("slope_matrix", (9 * random.permutation(cloud(random, 41, 1)[:, 0]),), "41 points"),
     )
 
 
@@ -434,7 +614,7 @@ def has_a_zero_diagonal(_: Call, values: Values) -> float:
 )
 def maps_to_values_and_slopes(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of H times unknowns from values, central differences and moments."""
-    worst, h = 0.0, 1e-6
+    worst, h = 0.0, 1e-7
     for call, (matrix,) in zip(calls, values, strict=True):
         (x,) = call.arguments
         n = len(x)
@@ -470,6 +650,7 @@ QUESTIONS = (
         lambda _: ((),),
         (is_where_the_signs_change,),
         tolerance=lambda _: 1e-8,
+        normal_form=zero_if_rounding,
     ),
     Question(
         "09.3",

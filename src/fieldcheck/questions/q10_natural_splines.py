@@ -38,11 +38,17 @@ def half_cubes(
 
 def around(sites: np.ndarray) -> np.ndarray:
     """Return evaluation points inside and outside the interval of the sites."""
-    return np.linspace(sites.min() - 1.3, sites.max() + 1.7, 40)
+    wide = sites.max() - sites.min()
+    return np.linspace(sites.min() - 0.4 * wide, sites.max() + 0.5 * wide, 40)
 
 
 def lacks_moments(sites: np.ndarray, factors: np.ndarray) -> float:
-    """Return the sums of the coefficients, unweighted and weighted by the sites."""
+    """Return the sums of the coefficients, unweighted and weighted by the sites.
+
+    They are zero for a straight line, whose coefficients are rounding errors.
+    """
+    if abs(factors).max() < 1e-9:
+        return 0.0
     return relative(
         [factors.sum(), factors.dot(sites)], abs(factors).max() * (1 + abs(sites).max())
     )
@@ -75,6 +81,34 @@ def conversion_inputs(seed: int) -> tuple[Call, ...]:
         *calls,
         few,
         Call("from_truncated", line_alone, "five sites, and a line in whole numbers"),
+        *more_conversions(random, calls[0].arguments[0]),
+    )
+
+
+def more_conversions(random: np.random.Generator, sites: np.ndarray) -> tuple[Call, ...]:
+    """Return other coefficients for the same sites, other units, many sites, and straight lines."""
+    alpha, many = without_moments(random, sites), random.permutation(line(random, 43)) / 8
+    two = line(random, 2)
+    return calls_of(
+        "from_truncated",
+        ((sites, alpha, random.normal(size=2)), "the same six sites, other coefficients"),
+        *(
+            ((size * sites, alpha / size**3, random.normal(size=2) / [1, size]), case)
+            for size, case in (
+                (2.0**9, "six sites about 400 apart"),
+                (2.0**12, "six sites about 3000 apart"),
+            )
+        ),
+        *(
+            ((sites, small * alpha, small * random.normal(size=2)), case)
+            for small, case in (
+                (2.0**-30, "six sites, and coefficients of about 10⁻⁹"),
+                (2.0**-40, "six sites, and coefficients of about 10⁻¹²"),
+            )
+        ),
+        ((many, without_moments(random, many), random.normal(size=2)), "43 sites in any order"),
+        ((two, np.zeros(2), random.normal(size=2)), "two sites, and coefficients that are zero"),
+        ((sites, np.zeros(6), random.normal(size=2)), "six sites, and coefficients that are zero"),
     )
 
 
@@ -115,6 +149,21 @@ def radial_inputs(seed: int) -> tuple[Call, ...]:
             (random.permutation(whole_line(random, 6)), random.normal(size=6)),
             "six sites in whole numbers",
         ),
+        ((sites, random.normal(size=8)), "the same eight sites with other values"),
+        ((few, random.normal(size=5)), "the same five sites with other values"),
+        *(
+            ((size * where, random.normal(size=len(where))), case)
+            for size, where, case in (
+                (2.0**4, sites, "eight sites about 10 apart"),
+                (2.0**4, few, "five sites about 10 apart"),
+                (2.0**-7, sites, "eight sites about 0.005 apart"),
+                (2.0**-8, few, "five sites about 0.003 apart"),
+            )
+        ),
+        ((sites, np.zeros(8)), "eight values that are zero"),
+        ((few[:4], np.zeros(4, dtype=int)), "four values that are zero"),
+        ((few, np.full(5, random.uniform(1, 2))), "five equal values"),
+        ((random.permutation(line(random, 43)) / 3, random.normal(size=43)), "43 sites"),
     )
 
 
@@ -126,14 +175,15 @@ def nothing_for_rounding(call: Call, values: Values) -> Values:
 
 @law_of_each(
     "The curve (10.4) must go through the values. Its coefficients a must sum to zero, and so must "
-    "their products with the sites."
+    "their products with the sites.",
+    1e-8,
 )
 def is_natural_and_interpolates(call: Call, values: Values) -> float:
     (a, b) = values
     sites, wanted = call.arguments
     return max(
         relative(cubes(sites, a, b, sites) - wanted, wanted),
-        lacks_moments(sites, a) if abs(a).max() > 1e-9 else 0.0,
+        lacks_moments(sites, a),
     )
 
 
@@ -160,7 +210,31 @@ def moments_inputs(seed: int) -> tuple[Call, ...]:
         *calls,
         Call("moments", close, "five sites 10⁻⁹ apart"),
         Call("moments", numbers, "six sites in whole numbers"),
+        *more_moments(random, sites),
     )
+
+
+def more_moments(random: np.random.Generator, sites: np.ndarray) -> tuple[Call, ...]:
+    """Return other values at the same sites, sites in large units, far away and many, and lines."""
+    whole = whole_line(random, 5)
+    near_calls = calls_of(
+        "moments",
+        ((sites, random.normal(size=5)), "the same five sites with other values"),
+        ((sites[::-1] * -1.0, random.normal(size=5)), "their mirror images with other values"),
+        ((2.0**20 * sites, random.normal(size=5)), "five sites 10⁶ apart"),
+        ((2.0**24 * sites[:4], random.normal(size=4)), "four sites 10⁷ apart"),
+        ((line(random, 43), random.normal(size=43)), "43 sites"),
+        ((sites, np.full(5, 3)), "five equal values"),
+    )
+    straight = whole, 2 - random.integers(2, 5) * whole
+    return (
+        *near_calls,
+        Call("moments", straight, "five values on a straight line", exact=(0, 1)),
+        Call("moments", (line(random, 6) - 2e4, random.normal(size=6)), FAR, exact=(0,)),
+    )
+
+
+FAR = "six sites far from the origin"
 
 
 def slopes(sites: np.ndarray, values: np.ndarray, m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -179,7 +253,8 @@ def has_no_kink(call: Call, values: Values) -> float:
     """Return the largest jump of the slope, and the moments at the two ends."""
     (bends,) = values
     at_left, at_right = slopes(call.arguments[0], call.arguments[1], bends)
-    return max(relative(at_left[1:] - at_right[:-1], at_left), relative(bends[[0, -1]], 1.0))
+    size = np.append(at_left, call.arguments[1][1:] / np.diff(call.arguments[0]))
+    return max(relative(at_left[1:] - at_right[:-1], size), relative(bends[[0, -1]], 1.0))
 
 
 # 10.4 The pieces
@@ -214,17 +289,21 @@ def whole_moments(
 
 
 def pieces_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points in any order: three on the left, four in each interval with its ends, three on
-    the right. The moments belong to the natural spline through the values.
+    """Return points in any order: three on the left, 4 in each interval with its ends, or 55, three
+    on the right. The moments belong to the natural spline through the values.
     """
     random = np.random.default_rng(seed)
     calls = []
-    for (sites, heights, bends), case in (
-        (natural_data(random, 6), "six sites"),
-        (whole_values(random), "three sites with values in whole numbers"),
-        (whole_moments(random, line(random, 5)), "five sites with moments in whole numbers"),
+    six, away = natural_data(random, 6), natural_data(random, 6)
+    for (sites, heights, bends), in_each, case in (
+        (six, 4, "six sites"),
+        (whole_values(random), 4, "three sites with values in whole numbers"),
+        (whole_moments(random, line(random, 5)), 4, "five sites with moments in whole numbers"),
+        ((six[0], 2 - six[1], -six[2]), 4, "the same six sites, other values and moments"),
+        (natural_data(random, 6), 16, "six sites and 86 points"),
+        ((away[0] + 3e4, *away[1:]), 4, FAR),
     ):
-        inside = np.linspace(sites[:-1], sites[1:], 4, axis=1).ravel()
+        inside = np.linspace(sites[:-1], sites[1:], in_each, axis=1).ravel()
         ends = [
             sites[0] + np.array([-1.5, -1.0, -0.5]),
             inside,
@@ -250,7 +329,8 @@ def is_cubic_inside_and_linear_outside(call: Call, values: Values) -> float:
     (s,) = values
     sites, heights, m, x = call.arguments
     s = s[np.argsort(x, kind="stable")]
-    four, step = s[3:-3].reshape(-1, 4), (sites[1:] - sites[:-1])[:, None] / 3
+    inside, step = s[3:-3].reshape(len(sites) - 1, -1), (sites[1:] - sites[:-1])[:, None] / 3
+    four = inside[:, :: inside.shape[1] // 3]
     ends = four[:, [0, 3]] - np.stack([heights[:-1], heights[1:]], axis=1)
     second = four.dot([[2, -1], [-5, 4], [4, -5], [-1, 2]]) / step**2 - np.stack(
         [m[:-1], m[1:]], axis=1
@@ -282,6 +362,24 @@ def back_inputs(seed: int) -> tuple[Call, ...]:
             whole_moments(random, whole_line(random, 4)),
             "four sites and their moments in whole numbers",
         ),
+        *more_backward(random, *calls[0].arguments),
+    )
+
+
+def more_backward(
+    random: np.random.Generator, sites: np.ndarray, heights: np.ndarray, bends: np.ndarray
+) -> tuple[Call, ...]:
+    """Return two sites, other values at the same sites, straight lines, and 43 sites."""
+    pair, other = line(random, 2) + 2, line(random, 2) - 5
+    ends = random.uniform(1, 2, 2) * [1, -1]
+    return calls_of(
+        "truncated",
+        ((pair, ends, np.zeros(2)), "two sites"),
+        ((other, random.permutation(9)[:2], np.zeros(2, dtype=int)), "two other sites"),
+        ((sites, 3 - heights, -bends), "the same six sites, other values and moments"),
+        ((sites, 3 - 2 * heights, -2 * bends), "the same six sites, values doubled"),
+        ((sites, 1 - 2 * sites, np.zeros(6)), "six values on a straight line"),
+        (natural_data(random, 43), "43 sites"),
     )
 
 
@@ -327,8 +425,19 @@ def energy_inputs(seed: int) -> tuple[Call, ...]:
         (-sites[::-1], bends[::-1], "the mirror image of the curve"),
         (sites[:2], np.array([2, 2]), "one interval on which s'' is 2"),
         (whole_line(random, 5), random.integers(-9, 10, 5), "five sites and moments, integers"),
+        (sites, random.normal(size=6), "the same six sites with other moments"),
+        (2.0**-30 * sites, bends, "six sites 10⁻⁹ apart"),
+        (sites, 2.0**-30 * bends, "moments of about 10⁻⁹"),
+        (2.0**20 * sites, 2.0**-25 * bends, "six sites 10⁶ apart"),
+        (line(random, 43), random.normal(size=43), "43 sites"),
+        (sites, np.zeros(6), "six moments that are zero"),
+        (sites[:2], np.zeros(2, dtype=int), "two moments that are zero"),
     )
-    return tuple(Call("energy", (x, m), case) for x, m, case in cases)
+    away = line(random, 6) - 3e4, random.normal(size=6)
+    return (
+        *(Call("energy", (x, m), case) for x, m, case in cases),
+        Call("energy", away, FAR, exact=(0,)),
+    )
 
 
 @law("Where s'' is 2, the energy must be four times the length of the interval.")
@@ -383,9 +492,11 @@ def b_spline_inputs(seed: int) -> tuple[Call, ...]:
     )
     whole = whole_line(random, 7)
     numbers = whole, 1, np.append(random.integers(whole[0] - 2, whole[-1] + 3, 9), whole[[2, -1]])
+    away = double + 2e6, 2, calls[1].arguments[2] + 2e6
     return (
         *calls,
         Call("b_splines", numbers, "seven knots and points, integers, and the degree 1"),
+        Call("b_splines", away, "ten knots far from the origin", exact=(0, 2)),
     )
 
 

@@ -215,9 +215,19 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         np.column_stack([random.uniform(-1, 1, (14, 2)), 0.05 * random.normal(size=14)]) @ OBLIQUE
     )
     name = "normals"
+    first = oval(random, 16)
+    near_line, far_line = random.uniform(-3, 3, (2, 9, 1))
+    exactly_flat = (
+        (near_line * [0.6, -0.8] + [1, 2], 4, "points on an oblique line"),
+        (far_line * [0, 1] + [2, 0], 3, "points on a line parallel to an axis"),
+        (sheet(random, 12), 6, "points of a tilted plane in space"),
+        (random.uniform(-1, 1, (11, 3)) * [1, 1, 0] + [0, 0, 3], 5, "points of a level plane"),
+        (oval(random, 12), 2, "an oval, two neighbours"),
+        (torus(random, 4, 7), 3, "a torus, three neighbours"),
+    )
     return calls_of(
         name,
-        ((oval(random, 16), 4), "an oval, four neighbours"),
+        ((first, 4), "an oval, four neighbours"),
         ((horseshoe(random, 30), 5), "a horseshoe, five neighbours"),
         ((torus(random, 5, 9), 7), "a torus in space"),
         ((flat, 14), "a rough plane of fourteen points, all of them neighbours"),
@@ -226,7 +236,10 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((integers(oval(random, 14), 1e4), 4), "an oval, integers"),
         ((integers(torus(random, 4, 8), 1e4), 6), "a torus in space, integers"),
         ((2.0**-20 * oval(random, 13), 5), "an oval of the size 10⁻⁶"),
-    )
+        ((first, 6), "the same oval, six neighbours"),
+        ((first[::-1] * [1.0, -1.0], 4), "its mirror image, four neighbours"),
+        ((2.0**20 * oval(random, 13), 5), "an oval of the size 10⁶"),
+    ) + tuple(Call(name, (points, k), case, exact=(0,)) for points, k, case in exactly_flat)
 
 
 def normals_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
@@ -283,7 +296,7 @@ def graph_inputs(seed: int) -> tuple[Call, ...]:
     uneven = np.column_stack([np.cumsum(1.3 ** np.arange(12.0)), random.uniform(0, 0.3, 12)])[
         random.permutation(12)
     ]
-    square = random.uniform(size=(14, 2))
+    square, space = random.uniform(size=(14, 2)), random.normal(size=(11, 3))
     return calls_of(
         "linked",
         ((square, 4), "points in a square"),
@@ -294,6 +307,14 @@ def graph_inputs(seed: int) -> tuple[Call, ...]:
         ((square + np.array([3e7, -2e7]), 4), "points in a square far from the origin"),
         ((random.normal(size=(10, 3)) - 4e7, 3), "points in space, far from the origin"),
         ((random.normal(size=(6, 2)), 6), "six points, all of them neighbours"),
+        ((square, 3), "the same points in a square, K = 3"),
+        ((1 - square[::-1], 4), "their mirror images"),
+        ((integers(square, 1e4), 4), "points in a square, integers"),
+        ((integers(space, 1e4), 3), "points in space, integers"),
+        ((2.0**-40 * space, 4), "points in space of the size 10⁻¹²"),
+        ((2.0**30 * space, 4), "points in space of the size 10⁹"),
+        ((random.normal(size=(2, 2)), 2), "two points"),
+        ((random.uniform(size=(61, 2)), 4), "61 points in a square"),
     )
 
 
@@ -344,6 +365,11 @@ def with_long_links(
     return np.maximum(near(points, k), (far | far.T).astype(float))
 
 
+def from_below(points: np.ndarray) -> np.ndarray:
+    """Return the directions from the origin to points above it."""
+    return points / np.sqrt((points**2).sum(axis=1))[:, None]
+
+
 OUTWARD = {
     "a horseshoe": outward,
     "a torus in space": outward,
@@ -357,6 +383,12 @@ OUTWARD = {
     "a square, with equal and perpendicular normals": outward_of_box,
     "a cube, with equal and perpendicular normals": outward_of_box,
     "a tilted sheet": upward_of_sheet,
+    "the same horseshoe, other signs": outward,
+    "the same torus, other signs": outward,
+    "a square, integers": outward_of_box,
+    "a cube, integers": outward_of_box,
+    "points in the plane without links": from_below,
+    "points in space without links": from_below,
 }
 
 
@@ -372,7 +404,7 @@ def orient_inputs(seed: int) -> tuple[Call, ...]:
         *(ellipsoid(random, 90), torus(random, 8, 14)),
     )
     calls = []
-    bodies, small = tuple(OUTWARD)[:7], tuple(OUTWARD)[7:]
+    bodies, small = tuple(OUTWARD)[:7], tuple(OUTWARD)[7:12]
     for case, points, k in zip(bodies, clouds, (4, 7, 5, 4, 4, 7, 7), strict=True):
         normals = OUTWARD[case](points)
         long = "long links" in case
@@ -386,7 +418,26 @@ def orient_inputs(seed: int) -> tuple[Call, ...]:
         calls.append(Call("orient", box(random, d), case, exact=(1,)))
     flat = sheet(random, 16)
     given = random_signs(random, upward_of_sheet(flat))
-    return (*calls, Call("orient", (flat, given, near(flat, 5)), small[-1]))
+    calls.append(Call("orient", (flat, given, near(flat, 5)), small[-1]))
+    return (*calls, *more_orientations(random, calls))
+
+
+def more_orientations(random: np.random.Generator, calls: Sequence[Call]) -> tuple[Call, ...]:
+    """Return other signs for the same points, normals and links in whole numbers, and no links."""
+    again = []
+    for call, case in zip(calls, tuple(OUTWARD)[12:14], strict=False):
+        points, given, graph = call.arguments
+        signs = random.permutation(np.where(np.arange(len(points)) % 2, 1.0, -1.0))
+        again.append(Call("orient", (points, signs[:, None] * given, graph), case))
+    for case, d in zip(tuple(OUTWARD)[14:16], (2, 3), strict=True):
+        points, given, graph = box(random, d)
+        whole = integers(points), given.astype(int), graph.astype(int)
+        again.append(Call("orient", whole, case, exact=(1,)))
+    for case, d in zip(tuple(OUTWARD)[16:], (2, 3), strict=True):
+        points = random.uniform(0.5, 1, (5, d))
+        given = random_signs(random, from_below(points))
+        again.append(Call("orient", (points, given, np.zeros((5, 5))), case))
+    return tuple(again)
 
 
 @law("Each normal must be the given one or its opposite, and must point outward.")
@@ -432,7 +483,18 @@ def beside_inputs(seed: int) -> tuple[Call, ...]:
         ((10 * ring, outward(ring), 7), "a torus in space, and Δ = 7"),
     )
     far = Call(name, (moved, outward(bent), 0.9), "a horseshoe far from the origin", exact=(0,))
-    return (*near_origin, far)
+    axes = np.array([[0, -1], [1, 0], [0, 1], [-1, 0]])
+    small = calls_of(
+        name,
+        ((2.0**-34 * bent, outward(bent), 2.0**-34 * 1.7), "a horseshoe of the size 10⁻¹⁰"),
+        ((2.0**-40 * ring, outward(ring), 2.0**-40 * 1.1), "a torus of the size 10⁻¹²"),
+        ((2.0**-36 * thin, thin_normals, 2.0**-30), "a flat oval of the size 10⁻¹¹"),
+        ((2.0**30 * bent, outward(bent), 2.0**30 * 0.9), "a horseshoe of the size 10⁹"),
+        ((bent, -outward(bent), 1.7), "the same horseshoe, normals that point inward"),
+        ((axes * random.permutation([[2], [3], [4], [5]]), axes, 3.3), "four points, integers"),
+        ((bent[:2], outward(bent[:2]), 3), "two points, and Δ = 3"),
+    )
+    return (*near_origin, far, *small)
 
 
 @law(
@@ -446,7 +508,7 @@ def belong_to_their_sites(calls: Sequence[Call], values: Sequence[Values]) -> fl
     wrong = 0
     for call, (lengths,) in zip(calls, values, strict=True):
         points, n, distance = call.arguments
-        halves = np.log2(distance / np.maximum(lengths, 1e-30))
+        halves = np.log2(distance / np.maximum(lengths, 1e-30 * distance))
         wrong += int((np.abs(halves - np.round(halves)) > 1e-6).sum()) + int((halves < -0.5).sum())
         for i, (p, normal) in enumerate(zip(points, n, strict=True)):
             for side, length in zip((normal, -normal), lengths[i], strict=True):

@@ -8,7 +8,8 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, law_of_each, relative
-from fieldcheck.questions.q11_point_clouds import horseshoe, outward, oval, torus
+from fieldcheck.questions.q10_natural_splines import nothing_for_rounding
+from fieldcheck.questions.q11_point_clouds import horseshoe, moved_far, outward, oval, torus
 
 
 def cubes(x: np.ndarray, sites: np.ndarray, weights: np.ndarray, plane: np.ndarray) -> np.ndarray:
@@ -33,12 +34,32 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     bent, ring = horseshoe(random, 14, 0.1), torus(random, 4, 5)
     whole = np.indices((3, 3)).reshape(2, -1).T @ [[4, 1], [-1, 5]] + random.integers(-1, 2, (9, 2))
-    return calls_of(
+    near_calls = calls_of(
         "implicit",
         ((whole, random.integers(-9, 10, 9)), "nine sites in whole numbers"),
         (beside(bent, outward(bent), 0.15), "a horseshoe, and points beside it"),
         (beside(ring, outward(ring), 0.2), "a torus in space, and points beside it"),
+        ((whole, random.normal(size=9)), "the same nine sites, other values"),
+        ((whole, np.zeros(9)), "nine values that are zero"),
+        ((4 * whole, random.normal(size=9)), "nine sites about 20 apart"),
+        ((2.0**-7 * whole, random.normal(size=9)), "nine sites about 0.04 apart"),
+        ((random.normal(size=(3, 2)), random.normal(size=3)), "three sites in the plane"),
+        ((random.normal(size=(4, 3)), random.normal(size=4)), "four sites in space"),
     )
+    return near_calls + tuple(
+        Call("implicit", (sites, random.normal(size=len(sites))), case, exact=(0,))
+        for sites, case in (
+            (first_in_a_plane(random, 8, 2), "eight sites, the first four on a line"),
+            (first_in_a_plane(random, 9, 3), "nine sites in space, the first five in a plane"),
+        )
+    )
+
+
+def first_in_a_plane(random: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Return n sites, the first d + 2 of them where the last coordinate is 2."""
+    sites = random.uniform(-1, 1, (n, d))
+    sites[: d + 2, -1] = 2
+    return sites
 
 
 def fit_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
@@ -54,9 +75,8 @@ def meets_values_and_side_conditions(call: Call, values: Values) -> float:
     (weights, plane) = values
     sites, wanted = call.arguments
     moments = weights @ np.insert(sites, 0, 1.0, axis=1)
-    return max(
-        relative(cubes(sites, sites, weights, plane) - wanted, wanted), relative(moments, weights)
-    )
+    missed = relative(cubes(sites, sites, weights, plane) - wanted, wanted)
+    return max(missed, relative(moments, weights) if abs(weights).max() > 1e-9 else 0.0)
 
 
 # 11.6 and 11.7 The field, its gradient, and projection onto its zero level
@@ -125,7 +145,48 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
             in_another_unit(2.0**-20, points_about_origin(random, 4, 2), *plane),
             "four points, with lengths of about 10⁻⁶",
         ),
+        *more_fields(random, plane, space),
     )
+
+
+def more_fields(
+    random: np.random.Generator, plane: tuple[np.ndarray, ...], space: tuple[np.ndarray, ...]
+) -> tuple[Call, ...]:
+    """Return large units, other coefficients, many points or sites, whole numbers, far points."""
+    x, many = points_about_origin(random, 4, 2), body(random, 2, 43)
+    sites, straight = np.array([[0, 1], [2, -1], [-1, -3]]), np.array([1, -2, 3])
+    factors = random.integers(1, 9, 3) * [1, -1, 1]
+    whole = (sites, factors, straight)
+    near_calls = calls_of(
+        "field",
+        (in_another_unit(2.0**9, x, *plane), "four points, with lengths of about 500"),
+        (
+            in_another_unit(2.0**12, points_about_origin(random, 3, 3), *space),
+            "three points in space, with lengths of about 4000",
+        ),
+        ((x, plane[0], -0.5 * plane[1], plane[2]), "the same points and sites, λ halved"),
+        ((x, plane[0][::-1], *plane[1:]), "the same points, sites in another order"),
+        ((x, plane[0], 0 * plane[1], plane[2]), "the same points and sites, λ zero"),
+        ((points_about_origin(random, 37, 2), *plane), "37 points in the plane"),
+        ((x, *many), "four points and 43 sites"),
+        ((x, *whole), "coefficients in whole numbers"),
+        ((random.integers(3, 9, (3, 2)), *whole), "points and coefficients in whole numbers"),
+    )
+    return near_calls + tuple(
+        Call("field", far_away(offset, points_about_origin(random, 5, d), *there), case, (0, 1, 3))
+        for offset, d, there, case in (
+            (3e4, 2, plane, "five points far from the origin"),
+            (-2e4, 3, space, "five points in space, far from the origin"),
+        )
+    )
+
+
+def far_away(offset: float, x: np.ndarray, *function: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return points, one of them a site, and a function (11.7) of the same values, far away."""
+    sites, weights, plane = function
+    there = moved_far(sites, offset)
+    start = np.append(plane[0] - offset * plane[1:].sum(), plane[1:])
+    return np.vstack([moved_far(x[:-1], offset), there[:1]]), there, weights, start
 
 
 def field_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
@@ -175,6 +236,9 @@ def newton_inputs(seed: int) -> tuple[Call, ...]:
         ((*in_another_unit(2.0**-20, x, *plane), 2), "two steps, with lengths of about 10⁻⁶"),
         ((near_diagonals(random, 3, 2), *plane, 0), "no steps in the plane"),
         ((near_diagonals(random, 1, 3), *space, 2), "two steps from one point in space"),
+        ((x, plane[0], 1.2 * plane[1], plane[2], 2), "two steps in the plane, λ larger"),
+        ((near_diagonals(random, 37, 2), *plane, 1), "one step from 37 points"),
+        ((near_diagonals(random, 3, 2), *body(random, 2, 43), 2), "two steps, and 43 sites"),
     )
 
 
@@ -208,6 +272,8 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
         ((2.0**-34 * signs[::-1] * distance,), "the same kinds with values of the size 10⁻¹⁰"),
         ((2.0**-600 * signs * distance,), "the same kinds with values of the size 10⁻¹⁸⁰"),
         ((random.permutation(signs * distance)[:1],), "one square"),
+        ((signs,), "twelve squares with the values 1 and −1"),
+        ((-2.5 * signs[::-1],), "twelve squares with the values 2.5 and −2.5"),
     )
 
 
@@ -242,6 +308,7 @@ QUESTIONS = (
         fit_shapes,
         (meets_values_and_side_conditions,),
         lambda _: 1e-7,
+        nothing_for_rounding,
     ),
     Question("11.6", "field", 3, field_inputs, field_shapes, (gradient_is_that_of_the_values,)),
     Question(

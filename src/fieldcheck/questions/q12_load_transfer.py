@@ -51,6 +51,15 @@ def meshes(name: str, seed: int) -> tuple[Call, ...]:
         ((integers(plane, 3), 3 * x), "nodes in the plane that are integers"),
         ((integers(line, 3), random.uniform(-1, 7, (4, 1))), "nodes on the line that are integers"),
         ((3 * plane, random.integers(-1, 6, (4, 2))), "points in the plane that are integers"),
+        ((2.0**-4 * plane, 2.0**-4 * x), "twelve nodes about 0.03 apart"),
+        ((2.0**-4 * space, random.uniform(0, 0.06, (3, 3))), "twelve nodes in space, 0.03 apart"),
+        ((2.0**3 * plane, 2.0**3 * x), "twelve nodes about 4 apart"),
+        ((2.0**4 * line, random.uniform(-3, 32, (4, 1))), "five nodes on the line, 8 apart"),
+        ((line[1:3], random.uniform(-1, 2, (3, 1))), "two nodes on the line"),
+        (
+            (grid(random, 2, 2, 2)[[0, 3, 5, 6]], random.uniform(0, 1, (2, 3))),
+            "four nodes in space",
+        ),
     )
 
 
@@ -160,6 +169,14 @@ def loads_inputs(seed: int) -> tuple[Call, ...]:
             (transfer(random, 4, 3), 2.0**-50 * random.normal(size=(4, 3))),
             "tiny forces",
         ),
+        *(
+            ((again, random.normal(size=(7, 3))), case)
+            for again in [transfer(random, 7, 4)]
+            for case in ("seven other points", "the same seven points with other forces")
+        ),
+        ((transfer(random, 5, 3), np.zeros((5, 3))), "forces that are zero"),
+        ((random.integers(-3, 4, (5, 3)), random.integers(-9, 10, (5, 3))), "all whole numbers"),
+        ((transfer(random, 61, 5), random.normal(size=(61, 2))), "61 points and five nodes"),
     )
 
 
@@ -208,6 +225,11 @@ def resultants_inputs(seed: int) -> tuple[Call, ...]:
         ((p[2:], f[2:], integers(a)), "four forces about a point that is integers"),
         ((p[[0, 1, 1, 2]], f[:4], a), "two forces at the same point"),
         ((p[[0, 1, 1, 0, 2]], f[[0, 1, 2, 0, 0]], b), "equal forces at equal points"),
+        ((p, f * [[1], [1], [0], [1], [1], [1]], a), "six forces, the third one zero"),
+        ((p[:5], f[:5] * [[0], [1], [1], [0], [1]], b), "five forces, two of them zero"),
+        ((p, 2.0**-30 * f, a), "six forces of about 10⁻⁹"),
+        ((p[:3], np.zeros((3, 3), dtype=int), b), "three forces that are zero"),
+        ((random.normal(size=(61, 3)), random.normal(size=(61, 3)), b), "61 forces"),
     )
 
 
@@ -332,6 +354,11 @@ def densities_inputs(seed: int) -> tuple[Call, ...]:
                 (5, "five points, each with a single node"),
             )
         ),
+        ((h, random.normal(size=12), areas), "the same weights and areas, other pressures"),
+        ((h, random.normal(size=12), areas[::-1]), "the same weights, other areas"),
+        ((h, np.zeros(12), areas), "pressures that are zero"),
+        ((h, 2.0**-40 * random.normal(size=12), areas), "pressures of about 10⁻¹²"),
+        ((transfer(random, 61, 5), random.normal(size=61), random.uniform(1, 2, 61)), "61 points"),
     )
 
 
@@ -426,6 +453,16 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
             )
         ),
         ((nodes, points[:4], integers(forces[:4], 9)), "four forces that are integers"),
+        *(
+            ((nodes, points[:n] * [1, 1, 1e-5], forces[:n]), case)
+            for n, case in ((4, "four forces close to the plate"), (2, "two forces close to it"))
+        ),
+        *(
+            ((size * nodes, size * points, forces), case)
+            for size, case in ((2.0**-5, "nodes 0.01 apart"), (2.0**3, "nodes 4 apart"))
+        ),
+        ((nodes, points, forces * [[1], [0], [1], [1], [1]]), "five forces, one of them zero"),
+        ((nodes, points[:3], np.zeros((3, 3))), "three forces that are zero"),
     )
 
 

@@ -63,6 +63,13 @@ def iterates_inputs(seed: int) -> tuple[Call, ...]:
             (*whole, random.integers(1, 999, 2), np.eye(2, dtype=int), 0.5, 3),
             "all in whole numbers",
         ),
+        ((one[0] / 6, *one[1:], 0.8, 4), "a section beyond divergence"),
+        ((behind[0] / 20, *behind[1:], 1.0, 5), "a section whose iterates alternate and grow"),
+        ((k / 30, h, rest, slope, 1.2, 4), "a chain of three soft springs"),
+        ((k, h, 0 * rest, slope, 0.8, 3), "a chain of three nodes without loads at rest"),
+        ((k, h, rest, 0 * slope, 1, 3), "a chain of three nodes, with A zero and ω = 1"),
+        ((k, h, rest, slope[::-1], 0.8, 4), "the same chain with another A"),
+        ((*wing(random, 43, 5), 0.9, 2), "a chain of 43 nodes"),
     ) + tuple(
         Call(name, (*critical(random, springs), omega, steps), case, exact=(0, 1, 3))
         for springs, omega, steps, case in (
@@ -156,6 +163,24 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
             (*wing(random, 3, 5)[:2], np.diag(random.uniform(1, 2, 5))),
             "a chain of three nodes, with A diagonal",
         ),
+        *(
+            ((both[0], both[1], growth * both[2]), case)
+            for growth, case in (
+                (1.5, "the same two sections, A larger"),
+                (2.0**-40, "the same two sections, A tiny"),
+            )
+        ),
+        *(
+            ((chain, random.integers(0, 4, (m, n)) + np.eye(m, n, dtype=int), air), case)
+            for n, m, case in (
+                (3, 5, "three nodes in whole numbers"),
+                (4, 6, "four nodes in whole numbers"),
+            )
+            for link in [np.eye(n, k=1, dtype=int)]
+            for chain in [9 * np.eye(n, dtype=int) - link - link.T]
+            for air in [np.diag(random.integers(1, 9, m))]
+        ),
+        ((*wing(random, 43, 3)[:2], np.outer(*random.uniform(0.4, 1, (2, 3)))), "43 nodes"),
     )
 
 

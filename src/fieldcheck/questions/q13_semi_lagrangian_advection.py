@@ -7,7 +7,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
-from fieldcheck.question import Law, Question, law, law_of_each, relative
+from fieldcheck.question import Law, Question, law, law_of_each, relative, scale
+from fieldcheck.variants import one_changed
 
 Deviation = Callable[[Sequence[Call], Sequence[Values]], float]
 
@@ -29,7 +30,10 @@ def in_square(random: np.random.Generator, n: int) -> np.ndarray:
 
 
 def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
-    """Return points in the three flows, and in the vortex with half the time step."""
+    """Return points in the three flows, and in the vortex with half the time step.
+
+    Some steps arrive at the time from which a step of other points came.
+    """
     random = np.random.default_rng(seed)
     x, dt, t = in_disc(random, 8), random.uniform(0.03, 0.05), random.uniform(0.2, 0.4)
     whole = np.vstack([[[0, 0], [2, 0], [0, -1]], random.integers(-3, 4, (3, 2))])
@@ -48,6 +52,17 @@ def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
         ((0.8 * x[::-1], t, dt, 1), "eight other points in the vortex, at the same time"),
         ((x[3:4], -t, dt, 1), "a single point in the vortex, at a negative time"),
         ((0.7 * x[5:6], t, dt, 2), "a single point in the deformation flow"),
+        ((in_disc(random, 7), t, dt, 1), "seven points in the vortex"),
+        ((in_disc(random, 7), t - dt, dt, 1), "seven points in the vortex, one step earlier"),
+        ((in_square(random, 3), t, dt, 2), "nine points in the deformation flow"),
+        (
+            (in_square(random, 3), t - dt, dt, 2),
+            "nine points in the deformation flow, one step earlier",
+        ),
+        ((in_disc(random, 77), t, dt, 1), "77 points in the vortex"),
+        ((in_square(random, 9), t, dt, 2), "81 points in the deformation flow"),
+        ((x[:5], 2, 1, 1), "a step from the time 2 to the time 1, both whole numbers"),
+        ((0.5 * x[3:], 3, 2, 2), "a step from the time 3 to the time 1, both whole numbers"),
     )
 
 
@@ -125,7 +140,7 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
     line = np.arange(8)[:, None] / 7 + random.uniform(-0.04, 0.04, (8, 1))
     beside = random.uniform(0.5, 1, (3, 2)) * np.array([[1e-3], [1e-4], [1e-6]])
     name = "step_matrix"
-    return calls_of(
+    calls = calls_of(
         name,
         ((sites, random.uniform(-1, 1, (6, 2)), 9), "six feet with nine sites each"),
         ((few, random.uniform(-1.2, 1.2, (4, 2)), 9), "four feet with all nine sites"),
@@ -151,18 +166,61 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
         ((few, random.uniform(-1, 1, (1, 2)), 9), "a single foot with all nine sites"),
         ((few, random.uniform(-1, 1, (2, 2))[[0, 1, 0]], 7), "three feet, two of them equal"),
     )
+    return (
+        *calls,
+        *one_changed(
+            calls[0],
+            ("other sites", in_square(random, 5)),
+            ("other feet", random.uniform(-1, 1, (6, 2))),
+            ("seven sites each", 7),
+        ),
+        *calls_of(
+            name,
+            ((few[[0, 1, 3, 4, 5, 7, 8]], random.uniform(-1, 1, (71, 2)), 7), "71 feet"),
+            ((in_square(random, 7)[:47], random.uniform(-1, 1, (45, 2)), 8), "45 feet, 47 sites"),
+            (
+                (in_square(random, 7)[:45], random.uniform(-1, 1, (3, 2)), 41),
+                "three feet with 41 of 45 sites each",
+            ),
+            ((CORNERS[:3] * few[0], random.uniform(-1, 1, (4, 2)), 3), "three sites in the plane"),
+            ((line, random.uniform(0, 1, (3, 1)), 2), "feet on a line, with two sites each"),
+        ),
+        *(
+            Call(name, (places + away, random.uniform(-1, 1, (3, d)) + away, k), case, (0, 1))
+            for places, d, k, away, case in (
+                (sites, 2, 8, FAR / 16, "sites and feet far from the origin"),
+                (line, 1, 4, FAR[:1] / 8, "sites and feet on a line, far from the origin"),
+            )
+        ),
+        *calls_of(
+            name,
+            *(
+                ((unit * places, unit * random.uniform(0, 1, (3, d)), k), case)
+                for unit, places, d, k, case in (
+                    (2.0**-24, sites, 2, 9, "sites at distances of about 10⁻⁸"),
+                    (2.0**-30, line, 1, 4, "sites on a line, at distances of about 10⁻¹⁰"),
+                    (2.0**20, sites, 2, 9, "sites at distances of about 10⁶"),
+                    (2.0**20, line, 1, 4, "sites on a line, at distances of about 10⁵"),
+                )
+            ),
+        ),
+    )
 
 
 @law(
     "Linear fields must be reproduced: each row must sum to 1, with the foot as mean of the sites."
 )
 def reproduces_linear_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the deviation of row sums from one, and of weighted means from departure points."""
+    """Return the deviation of row sums from one, and of weighted means from departure points.
+
+    Coordinates count from the foot, so that the origin does not matter.
+    """
     worst = 0.0
     for call, (h,) in zip(calls, values, strict=True):
         sites, feet, _ = call.arguments
+        away = sites - feet[:, None]
         worst = max(worst, float(np.abs(h.sum(axis=1) - 1).max()))
-        worst = max(worst, float(np.abs(np.einsum("ij,jk->ik", h, sites) - feet).max()))
+        worst = max(worst, relative(np.einsum("ij,ijk->ik", h, away), away))
     return worst
 
 
@@ -218,6 +276,33 @@ def advect_inputs(seed: int) -> tuple[Call, ...]:
         (
             (integers(square, 6), random.normal(size=16), dt, 2, 1, 9),
             "sites that are an array of integers",
+        ),
+        *(
+            ((disc, random.normal(size=24), 2 * dt, 3, flow, k), case)
+            for flow, k, case in (
+                (2, 8, "a field in the deformation flow, at the first sites"),
+                (1, 9, "a field in the vortex, with nine sites for each foot"),
+                (1, 8, "another field in the vortex"),
+            )
+        ),
+        (
+            (in_square(random, 7)[:47], random.normal(size=47), dt, 2, 2, 9),
+            "47 sites in the deformation flow",
+        ),
+        ((in_disc(random, 71), random.normal(size=71), dt, 1, 1, 7), "71 sites in the vortex"),
+        ((disc, random.normal(size=24), 1, 1, 1, 8), "a step from the time 1, a whole number"),
+        (
+            (0.6 * square, random.normal(size=16), 1, 1, 2, 9),
+            "a step from the time 1 in the deformation flow, a whole number",
+        ),
+        *(
+            ((*numbers, dt, 2, flow, 8), case)
+            for flow, numbers, case in (
+                (1, (disc, 1e-9 * random.normal(size=24)), "small values, about 10⁻⁹"),
+                (2, (square, 1e-8 * random.normal(size=16)), "small values, about 10⁻⁸"),
+                (1, (disc, 1e9 * random.normal(size=24)), "large values, about 10⁹"),
+                (2, (square, 1e8 * random.normal(size=16)), "large values, about 10⁸"),
+            )
         ),
     )
 
@@ -292,7 +377,55 @@ def bounds_inputs(seed: int) -> tuple[Call, ...]:
         ((5 * sites, u, integers(feet, 5)), "feet that are an array of integers"),
         ((sites, random.permutation(16) // 4, feet), "a field of four different values"),
     )
-    return (*calls, centre)
+    return (*calls, centre, *bounds_in_other_units(random))
+
+
+def bounds_in_other_units(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return many points, equal values, points far from the origin, and tiny and huge numbers."""
+    many = calls_of(
+        "bounds",
+        (
+            (in_square(random, 7)[:47], random.normal(size=47), random.uniform(-1, 1, (71, 2))),
+            "71 feet and 47 sites",
+        ),
+        (
+            (in_disc(random, 43), random.normal(size=43), random.uniform(-1, 1, (45, 2))),
+            "45 feet and 43 sites",
+        ),
+        (
+            (in_disc(random, 11), np.full(11, -0.75), random.uniform(-1, 1, (3, 2))),
+            "a constant field",
+        ),
+        *(
+            (
+                (
+                    length * in_square(random, 4),
+                    size * random.normal(size=16),
+                    length * random.uniform(-1, 1, (5, 2)),
+                ),
+                case,
+            )
+            for length, size, case in (
+                (2.0**-30, 1e-9, "sites 10⁻⁹ apart, and values of about 10⁻⁹"),
+                (2.0**-20, 1e-12, "sites 10⁻⁶ apart, and values of about 10⁻¹²"),
+                (2.0**30, 1e9, "sites 10⁹ apart, and values of about 10⁹"),
+                (2.0**20, 1e12, "sites 10⁶ apart, and values of about 10¹²"),
+            )
+        ),
+    )
+    far = (
+        Call("bounds", (2.0**-8 * p + away, u, 2.0**-8 * y + away), case, exact=(0, 2))
+        for p, u, y, away, case in (
+            (*_field(random, 4), FAR, "sites and feet very far from the origin"),
+            (*_field(random, 5), -FAR[::-1], "other sites and feet very far from the origin"),
+        )
+    )
+    return (*many, *far)
+
+
+def _field(random: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return n² sites in the square, values there, and nine feet."""
+    return in_square(random, n), random.normal(size=n * n), random.uniform(-1, 1, (9, 2))
 
 
 FAR = np.array([2.0**16, -(2.0**17)])
@@ -323,10 +456,10 @@ def contains_the_nearest_value(calls: Sequence[Call], values: Sequence[Values]) 
 def contain_four_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the number of four different values that lie outside the bounds."""
     between = (
-        (np.abs(c.arguments[1] - (low + high)[:, None] / 2) <= (high - low)[:, None] / 2 + 1e-9)
+        (np.abs(u - (low + high)[:, None] / 2) <= (high - low)[:, None] / 2 + 1e-9 * scale(u))
         .sum(axis=1)
         .min()
-        for c, (low, high) in zip(calls, values, strict=True)
+        for (_, u, _), (low, high) in ((c.arguments, v) for c, v in zip(calls, values, strict=True))
     )
     return float(max(0, 4 - min(between)))
 
@@ -335,7 +468,7 @@ def contain_four_values(calls: Sequence[Call], values: Sequence[Values]) -> floa
 def are_values(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the distance of the bounds from the nearest values of the field."""
     return max(
-        float(np.abs(bound[:, None] - call.arguments[1]).min(axis=1).max())
+        relative(np.abs(bound[:, None] - call.arguments[1]).min(axis=1), call.arguments[1])
         for call, both in zip(calls, values, strict=True)
         for bound in both
     )
@@ -383,7 +516,28 @@ def mass_inputs(seed: int) -> tuple[Call, ...]:
             "a mass that must shrink, and arrays of integers",
         ),
         ((u[:1], low[:1], high[:1], m[:1], float(m[0] * (u[0] + 0.05))), "a single site"),
+        *(
+            (correction(random, n, size, area, part), case)
+            for n, size, area, part, case in (
+                (45, 1, 1, 0.7, "45 sites"),
+                (71, 1, 1, 0.2, "71 sites"),
+                (7, 1e-9, 1, 0.8, "values of about 10⁻⁹"),
+                (6, 1, 1e-9, 0.3, "areas of about 10⁻⁹"),
+                (5, 1e9, 1, 0.6, "values of about 10⁹"),
+                (8, 1, 1e9, 0.1, "areas of about 10⁹"),
+            )
+        ),
     )
+
+
+def correction(
+    random: np.random.Generator, n: int, size: float, area: float, part: float
+) -> tuple[np.ndarray | float, ...]:
+    """Return values, some of them outside their bounds, bounds, areas, and a mass between."""
+    u, m = size * random.normal(size=n), area * random.uniform(0.5, 2, n)
+    low = u - size * random.uniform(-0.1, 0.4, n)
+    high = low + size * random.uniform(0.3, 0.8, n)
+    return u, low, high, m, float((1 - part) * (m @ low) + part * (m @ high))
 
 
 @law("The values must have the required mass, and lie within their bounds.")
@@ -392,8 +546,9 @@ def has_the_mass(calls: Sequence[Call], values: Sequence[Values]) -> float:
     worst = 0.0
     for call, (v,) in zip(calls, values, strict=True):
         _, low, high, m, total = call.arguments
-        worst = max(worst, relative(np.sum(v * m) - total, m))
-        worst = max(worst, float((low - v).max()), float((v - high).max()))
+        size = scale(low, high)
+        worst = max(worst, relative((np.sum(v * m) - total) / size, m))
+        worst = max(worst, float((low - v).max()) / size, float((v - high).max()) / size)
     return worst
 
 
@@ -402,8 +557,9 @@ def changes_by_a_constant(call: Call, values: Values) -> float:
     """Return the variation of the changes among values strictly between their bounds."""
     (v,) = values
     u, low, high, _, _ = call.arguments
-    free = (v > low + 1e-6) & (v < high - 1e-6)
-    return float(np.ptp((v - u)[free])) if free.any() else 0.0
+    size = scale(low, high)
+    free = (v > low + 1e-6 * size) & (v < high - 1e-6 * size)
+    return float(np.ptp((v - u)[free])) / size if free.any() else 0.0
 
 
 # 13.11 Burgers' equation
@@ -430,7 +586,29 @@ def burgers_inputs(seed: int) -> tuple[Call, ...]:
             "sites that are an array of integers",
         ),
         ((x, random.integers(-3, 4, 9), dt / 2, 3, 5), "velocities that are an array of integers"),
+        ((x, wave, dt, 0, 4), "a wave and no round"),
+        ((x, wave[::-1], dt / 2, 3, 5), "another wave at the same sites"),
+        ((x + 0.2 * wave[:, None], wave, dt / 2, 3, 5), "the same velocities at other sites"),
+        *((wave_at(random, random.permutation(n), dt / 2, 2, 5), f"{n} sites") for n in (45, 71)),
+        (wave_at(random, random.permutation(7), 1, 2, 4), "a step of length 1, a whole number"),
+        *(
+            ((length * x, speed * wave, length / speed * dt / 2, 2, 5), case)
+            for length, speed, case in (
+                (2.0**-30, 2.0**-30, "sites 10⁻⁹ apart, and small velocities"),
+                (2.0**-20, 2.0**10, "sites 10⁻⁶ apart, and short steps"),
+                (2.0**30, 2.0**30, "sites 10⁹ apart, and large velocities"),
+                (2.0**20, 2.0**-10, "sites 10⁶ apart, and long steps"),
+            )
+        ),
     )
+
+
+def wave_at(
+    random: np.random.Generator, order: np.ndarray, dt: float, rounds: int, k: int
+) -> tuple[np.ndarray | float, ...]:
+    """Return sites on the line in this order, the velocities of a wave, and the other arguments."""
+    x = (order[:, None] + random.uniform(-0.2, 0.2, (len(order), 1))) / 4
+    return x, 0.5 * np.sin(2 * x[:, 0]), dt, rounds, k
 
 
 @law("If the velocity is linear, each round must add a term of a geometric series.")

@@ -176,6 +176,14 @@ def large_numbers(random: np.random.Generator) -> dict[str, Surface]:
     }
 
 
+def hundreds(random: np.random.Generator) -> dict[str, Surface]:
+    """Return surfaces of some hundred triangles, each with one hole of three edges."""
+    return {
+        "a sphere of 69 triangles with a hole": shuffled(random, without(ball(5, 7), 0)),
+        "a torus of 69 triangles with a hole": shuffled(random, without(ring(5, 7), 5)),
+    }
+
+
 def sides_by_name(triangles: np.ndarray) -> list[tuple[int, int]]:
     """Return the ends of each side, in the direction of its triangle."""
     return [(int(t[k]), int(t[k - 2])) for t in triangles for k in range(3)]
@@ -198,12 +206,13 @@ def edge_surfaces(seed: int) -> dict[str, Surface]:
         "a sphere with a triangle listed twice": shuffled(random, repeated(ball(), 4)),
         "a torus with a triangle listed twice": shuffled(random, repeated(ring(3, 4), 5)),
         **large_numbers(random),
+        **hundreds(random),
     }
 
 
 TIMES = (
     *((0, 108), (14, 58), (22, 6, 3, 0, 5), (0, 60), (0, 672), (0, 768)),
-    *((0, 102, 9), (0, 66, 9), (6,), (6,)),
+    *((0, 102, 9), (0, 66, 9), (6,), (6,), (3, 204), (3, 204)),
 )
 """The number of sides of these surfaces that belong to an edge of one, two, … triangles."""
 
@@ -261,12 +270,12 @@ def euler_inputs(seed: int) -> tuple[Call, ...]:
         ),
         *(
             Call("euler_characteristic", (triangles,), case)
-            for case, (_, triangles) in large_numbers(random).items()
+            for case, (_, triangles) in (large_numbers(random) | hundreds(random)).items()
         ),
     )
 
 
-CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 1, 1, 2, 4, 0, 2, 2)
+CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 1, 1, 2, 4, 0, 2, 2, 1, -1)
 
 
 @law("χ must be that of the surface: 2 for a sphere, 0 for a torus, 1 for a sheet; parts add up.")
@@ -301,12 +310,19 @@ def loop_inputs(seed: int) -> tuple[Call, ...]:
     }
     made = {case: shuffled(random, surface, 3) for case, surface in surfaces.items()}
     made |= large_numbers(random)
+    made |= {
+        case: shuffled(random, surface, 2)
+        for case, surface in {
+            "a sphere of 74 vertices with two holes": without(ball(8, 9), 0, 140),
+            "a torus of 75 vertices with two holes": without(ring(5, 15), 0, 70),
+        }.items()
+    }
     return tuple(Call("boundary_loops", (len(p), t), case) for case, (p, t) in made.items())
 
 
 LENGTHS = (
     *((14,), (3, 4), (6, 6), (12,), (), (8, 8), (), (3,), (), (40,), (3,)),
-    *((6,), (3,), (3, 3), (3, 3)),
+    *((6,), (3,), *4 * ((3, 3),)),
 )
 
 
@@ -345,12 +361,19 @@ def fan_inputs(seed: int) -> tuple[Call, ...]:
     }
     made = {case: shuffled(random, surface, 2) for case, surface in surfaces.items()}
     made |= large_numbers(random)
+    made |= {
+        case: shuffled(random, surface, 2)
+        for case, surface in {
+            "a sphere of 37 vertices, two of them merged": fused(ball(5, 7), (1, 30)),
+            "a torus of 35 vertices that touches itself": fused(ring(5, 7), (0, 17)),
+        }.items()
+    }
     return tuple(Call("fans", (len(p), t), case) for case, (p, t) in made.items())
 
 
 FANS = (
     *((2, 20), (4, 33, 0, 1), (3, 18, 1), (3, 46, 1), (3, 15, 1), (2, 6)),
-    *((3, 10, 1), (2, 3, 3), (194, 6), (194, 6)),
+    *((3, 10, 1), (2, 3, 3), (194, 6), (194, 6), (3, 35, 1), (3, 33, 1)),
 )
 """The number of vertices of these surfaces with zero fans, one fan, and so on."""
 

@@ -20,6 +20,7 @@ from fieldcheck.questions.q14_mesh_errors import (
     sheet,
     shuffled,
     sides_by_name,
+    without,
 )
 
 # 14.1 Coincident vertices
@@ -83,6 +84,19 @@ def weld_inputs(seed: int) -> tuple[Call, ...]:
         Call("weld", (2.0**-30 * close, 0.0), "close points, and the tolerance zero", exact=(0,)),
         Call("weld", (copies(random, 60, 1e-3), 1e-3), "many points with near copies"),
         Call("weld", (random.normal(size=(1, 2)), 0.3), "a single point in the plane"),
+        *(
+            Call("weld", (copies(random, n, size)[:, :d] + away, size), case, exact=(0,))
+            for n, d, size, away, case in (
+                (33, 3, 0.1, 0, "65 points with near copies"),
+                (49, 2, 10.0, 0, "97 points of the plane with near copies"),
+                (9, 3, 1e-3, 1e5, "points with near copies, very far from the origin"),
+                (11, 2, 1e-3, -1e5, "points of the plane, very far from the origin"),
+                (10, 3, 1e-9, 0, "points with near copies, 10⁻⁹ apart"),
+                (9, 2, 1e-12, 0, "points of the plane with near copies, 10⁻¹² apart"),
+                (9, 3, 1e9, 0, "points with near copies, 10⁹ apart"),
+                (10, 2, 1e12, 0, "points of the plane with near copies, 10¹² apart"),
+            )
+        ),
     )
 
 
@@ -143,10 +157,18 @@ def turn_inputs(seed: int) -> tuple[Call, ...]:
     single = random.normal(size=(5, 3)), np.array([random.permutation(5)[:3]])
     calls.append(Call("turns", single, "a single triangle"))
     calls += [Call("turns", surface, case) for case, surface in large_numbers(random).items()]
+    many = {
+        "a sphere of 69 triangles with a hole": without(ball(5, 7), 0),
+        "a Möbius strip of 67 triangles": without(band(1, 17), 5),
+    }
+    for case, surface in many.items():
+        points, triangles = shuffled(random, flipped(random, surface))
+        rough = points + random.uniform(-0.05, 0.05, points.shape)
+        calls.append(Call("turns", (rough, triangles), case))
     return tuple(calls)
 
 
-ONE_SIDED = (0, 0, 0, 0, 24, 0, 24, 0, 0, 0, 0)
+ONE_SIDED = (0, 0, 0, 0, 24, 0, 24, 0, 0, 0, 0, 0, 67)
 """The number of triangles of these surfaces that belong to a one-sided part."""
 
 
@@ -286,7 +308,42 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
                 ((1, 3e-3, 0.6), "a single triangle that is not flat"),
             )
         ),
+        *(
+            Call("flat", (size * thin_ones(random, n), names(n), size * 1e-3), case)
+            for n, size, case in (
+                (71, 1, "71 triangles in metres"),
+                (69, 1e3, "69 triangles in millimetres"),
+                (22, 1e9, "triangles in nanometres"),
+                (22, 1e12, "huge triangles"),
+            )
+        ),
+        Call(
+            "flat", (BESIDE_LINE, LEVEL_NAMES, 0.25), "corners on a line, as integers", exact=(0, 2)
+        ),
+        Call(
+            "flat",
+            (BESIDE_LINE[:, [2, 0, 1]], LEVEL_NAMES[::-1], 1),
+            "corners on an upright line, as integers",
+            exact=(0, 2),
+        ),
     )
+
+
+def thin_ones(random: np.random.Generator, n: int) -> np.ndarray:
+    """Return the corners of n triangles with these heights, again and again."""
+    chosen = enumerate(HEIGHTS[k % len(HEIGHTS)] for k in range(n))
+    return np.concatenate(
+        [thin(random, base, height, foot, k % 3) for k, (base, height, foot) in chosen]
+    )
+
+
+def names(n: int) -> np.ndarray:
+    """Return n triangles without common vertices."""
+    return np.arange(3 * n).reshape(n, 3)
+
+
+BESIDE_LINE = np.array([[0, 0, 0], [9, 3, 0], [3, 1, 0], [1, 9, 0], [6, 2, 0], [-3, -1, 0]])
+"""Points of a line, except for the fourth."""
 
 
 FLAT_OF_HEIGHTS = (0, 0, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 0, 0, 0, 1, 1, 1, 1, 0, 0, 1)
@@ -303,6 +360,12 @@ FLAT = (
     FLAT_OF_HEIGHTS,
     (1,),
     (0,),
+    (12 * FLAT_OF_HEIGHTS)[:71],
+    (12 * FLAT_OF_HEIGHTS)[:69],
+    FLAT_OF_HEIGHTS,
+    FLAT_OF_HEIGHTS,
+    (1, 0, 1, 1),
+    (1, 1, 0, 1),
 )
 
 
@@ -341,18 +404,8 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
         ("fourteen segments and triangles", 1.0, 0.0),
         ("fourteen small segments and triangles away from the origin", 2.0**-18, 5.0),
     ):
-        corners = random.normal(size=(len(THROUGH), 3, 3))
-        corners[:, 1:] = (
-            corners[:, :1] + np.array([[[2.0, 0.3, 0], [0.4, 1.7, 0.2]]]) + 0.2 * corners[:, 1:]
-        )
-        corners = corners @ np.linalg.qr(random.normal(size=(3, 3)))[0]
-        u, v, high, low = np.array(THROUGH).T[:, :, None]
-        a, b, c = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        slope = np.cross(b, c) + 0.3 * b - 0.2 * c
-        place = a + u * b + v * c
-        ends = (place + height * slope for height in (high, low))
         calls.append(
-            Call("pierced", (*(middle + size * e for e in ends), middle + size * corners), case)
+            Call("pierced", tuple(middle + size * p for p in pairs(random, THROUGH)), case)
         )
     for case, axes, offset in (
         ("segments that end in the plane or lie in it", [0, 1, 2], 0.0),
@@ -365,7 +418,34 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
         calls.append(Call("pierced", (start, end, corners), case, exact=(0, 1, 2)))
     for k, case in ((0, "a single segment"), (4, "a single segment beside its triangle")):
         calls.append(Call("pierced", tuple(a[[k]] for a in calls[0].arguments), case))
+    for case, n, size, middle in (
+        ("71 segments and triangles", 71, 1.0, 0.0),
+        ("69 segments and triangles away from the origin", 69, 1.0, -20.0),
+        ("twelve segments and triangles far from the origin", 12, 1.0, 1e5),
+        ("twelve segments and triangles very far from the origin", 12, 1.0, -1e6),
+        ("fourteen tiny segments and triangles", 14, 2.0**-30, 0.0),
+        ("fourteen huge segments and triangles", 14, 2.0**30, 0.0),
+        ("fourteen other huge segments and triangles", 14, 2.0**40, 0.0),
+    ):
+        some = pairs(random, (19 * THROUGH)[:n])
+        calls.append(Call("pierced", tuple(middle + size * p for p in some), case))
     return tuple(calls)
+
+
+def pairs(
+    random: np.random.Generator, through: Sequence[tuple[float, ...]]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return both ends of segments that meet the planes of triangles there, and the triangles."""
+    corners = random.normal(size=(len(through), 3, 3))
+    corners[:, 1:] = (
+        corners[:, :1] + np.array([[[2.0, 0.3, 0], [0.4, 1.7, 0.2]]]) + 0.2 * corners[:, 1:]
+    )
+    corners = corners @ np.linalg.qr(random.normal(size=(3, 3)))[0]
+    u, v, high, low = np.array(through).T[:, :, None]
+    a, b, c = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    slope = np.cross(b, c) + 0.3 * b - 0.2 * c
+    place = a + u * b + v * c
+    return place + high * slope, place + low * slope, corners
 
 
 TRIANGLE = ((0, 0, 0), (4, 0, 0), (0, 4, 0))
@@ -374,7 +454,10 @@ TO = ((1, 1, -2), (1, 1, 3), (1, 2, 0), (6, 7, 0), (5, 1, -2), (1, 2, 1), (-1, -
 """Ends of segments about this triangle."""
 THROUGH_OR_NOT = (1, 1, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 1, 0)
 IN_THE_PLANE_OR_NOT = (1, 0, 0, 0, 0, 0, 0, 1)
-GOES_THROUGH = (*2 * (THROUGH_OR_NOT,), *2 * (IN_THE_PLANE_OR_NOT,), (1,), (0,))
+GOES_THROUGH = (
+    *(*2 * (THROUGH_OR_NOT,), *2 * (IN_THE_PLANE_OR_NOT,), (1,), (0,)),
+    *((19 * THROUGH_OR_NOT)[:n] for n in (71, 69, 12, 12, 14, 14, 14)),
+)
 
 
 @law(
@@ -382,8 +465,8 @@ GOES_THROUGH = (*2 * (THROUGH_OR_NOT,), *2 * (IN_THE_PLANE_OR_NOT,), (1,), (0,))
     "sides of the plane and it meets the plane inside the triangle."
 )
 def goes_through_as_made(_: Sequence[Call], values: Sequence[Values]) -> float:
-    pairs = zip(values, GOES_THROUGH, strict=True)
-    return max(float(np.abs(v - np.array(known)).max()) for (v,), known in pairs)
+    known = zip(values, GOES_THROUGH, strict=True)
+    return max(float(np.abs(v - np.array(through)).max()) for (v,), through in known)
 
 
 QUESTIONS = (

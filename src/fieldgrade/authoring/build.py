@@ -15,7 +15,7 @@ from fieldgrade.authoring.catalogue import entries
 from fieldgrade.authoring.course_map import DIAGRAM, PAGE, map_diagram, map_page
 from fieldgrade.authoring.hidden_cases import hidden_cases
 from fieldgrade.authoring.known_answers import answers_file, same_answers
-from fieldgrade.authoring.leaks import code_leaks, long_numbers, number_leaks
+from fieldgrade.authoring.leaks import code_leaks, long_numbers, number_leaks, numbers_of
 from fieldgrade.authoring.notebooks import execute, solved_notebook, stub, student_notebook, to_text
 from fieldgrade.authoring.orientation import table
 from fieldgrade.authoring.outline import Outline
@@ -177,6 +177,7 @@ def leaks(root: Path, salt: str, made: Mapping[Path, str] = NOTHING) -> Iterator
         mistakes = entries(source, "misconceptions")
         for question in questions().values():
             if question.notebook == source.number:
-                tried = trials(question, functions, mistakes, hidden, "leak", salt)
-                for trial in tried[1:]:
-                    yield from number_leaks(trial.calls, trial.answers.right, written)
+                public, *others = trials(question, functions, mistakes, hidden, "leak", salt)
+                known = numbers_of(public.calls, public.answers.right)
+                for trial in others:
+                    yield from number_leaks(trial.calls, trial.answers.right, written, known)

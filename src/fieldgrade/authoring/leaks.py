@@ -86,7 +86,10 @@ def _first_on_each_line(
 
 
 def number_leaks(
-    calls: Sequence[Call], answers: Sequence[Values], written: Mapping[str, Set[str]]
+    calls: Sequence[Call],
+    answers: Sequence[Values],
+    written: Mapping[str, Set[str]],
+    public: Set[str] = frozenset(),
 ) -> Iterator[str]:
     """Yield each file for students with numbers of a hidden input, or of the answer to one.
 
@@ -98,15 +101,26 @@ def number_leaks(
         Hidden inputs, and the right answers.
     written : mapping
         The long numbers in the files, by the names of the files.
+    public : set of str
+        Numbers that are no secret, since public calls have them, too: see `numbers_of`.
     """
-    arrays = [np.asarray(a, dtype=float) for call in calls for a in call.arguments]
-    for array in chain(arrays, *answers):
-        secret = _secret_numbers(array)
+    for array in _arrays(calls, answers):
+        secret = {k: x for k, x in _secret_numbers(array).items() if k not in public}
         enough = min(ENOUGH, len(set(secret.values())))
         for name, numbers in written.items():
             found = {secret[digits] for digits in numbers & secret.keys()}
             if found and len(found) >= enough:
                 yield f"{name} holds numbers of a hidden case: {sorted(found)[:ENOUGH]}"
+
+
+def numbers_of(calls: Sequence[Call], answers: Sequence[Values]) -> set[str]:
+    """Return the long numbers of calls and of the answers to them, by each way of writing them."""
+    return {digits for array in _arrays(calls, answers) for digits in _secret_numbers(array)}
+
+
+def _arrays(calls: Sequence[Call], answers: Sequence[Values]) -> Iterator[np.ndarray]:
+    arrays = (np.asarray(a, dtype=float) for call in calls for a in call.arguments)
+    return chain(arrays, *answers)
 
 
 def long_numbers(text: str) -> set[str]:

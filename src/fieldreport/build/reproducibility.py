@@ -14,6 +14,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from fieldrecon._core.simd_dispatch import dispatch
 from fieldreport import experiments
 from fieldreport.build.errors import BuildError
 from fieldreport.build.pinned_kernels import pins
+from fieldreport.build.source_date import source_date
 from fieldreport.build.step_records import digests
 
 LEVEL_OF_ROUNDING = 1e-8
@@ -157,10 +159,19 @@ def _build(arguments: argparse.Namespace, place: Path, surroundings: Mapping[str
     command = [sys.executable, "-m", "fieldreport", f"--jobs={arguments.jobs}"]
     if arguments.experiments:
         command += ["--experiments", str(arguments.experiments.resolve())]
-    environment = {**os.environ, **surroundings}
+    environment = {**os.environ, **date_of(arguments.source), **surroundings}
     if subprocess.run(command, cwd=place.parent, env=environment, check=False).returncode:
         raise BuildError("the new build failed")
     return place / "build"
+
+
+def date_of(source: Path) -> dict[str, str]:
+    """Return the variable that gives a copy, which is no checkout, the date of the sources."""
+    date = source_date(source)
+    if not date:
+        return {}
+    midnight = datetime.fromisoformat(date).replace(tzinfo=UTC)
+    return {"SOURCE_DATE_EPOCH": f"{midnight.timestamp():.0f}"}
 
 
 def _outputs(build: Path) -> list[Path]:

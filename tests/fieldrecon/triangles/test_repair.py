@@ -329,7 +329,7 @@ def test_no_repair_adds_an_error():
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=75, deadline=None)
 @given(
     st.integers(0, 2**32 - 1),
     st.integers(0, len(BODIES) - 1),
@@ -343,23 +343,26 @@ def test_no_repair_of_any_damage_adds_an_error(seed, body, damages, largest_hole
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "mutants",
+    ("mutants", "first"),
     [
-        {"added_kinds": lambda before, after: set()},  # noqa: ARG005
-        {
-            "added_kinds": lambda before, after: set(),  # noqa: ARG005
-            "erroneous": lambda after, t, first: np.empty(0, dtype=int),  # noqa: ARG005
-        },
+        ({"added_kinds": lambda before, after: set()}, 220),  # noqa: ARG005
+        (
+            {
+                "added_kinds": lambda before, after: set(),  # noqa: ARG005
+                "erroneous": lambda after, t, first: np.empty(0, dtype=int),  # noqa: ARG005
+            },
+            0,
+        ),
     ],
     ids=["stages are kept", "patches are kept"],
 )
-def test_a_repair_that_does_not_look_is_caught(mutants, monkeypatch):
-    """By one of these draws."""
+def test_a_repair_that_does_not_look_is_caught(mutants, first, monkeypatch):
+    """By one of these draws; the first mutant is caught by one draw in some hundreds."""
     for name, mutant in mutants.items():
         monkeypatch.setattr(_mending, name, mutant)
 
     def some_draws():
-        for seed in range(400):
+        for seed in range(first, first + 100):
             no_repair_adds_a_kind_of_error(damaged_mesh(*draw_of(seed)))
 
     with pytest.raises(AssertionError):
