@@ -173,7 +173,7 @@ def knots_of_any_kind(seed):
         Call("b_splines", (2.0**-44 * t, 3, 2.0**-44 * x), "close knots", exact=(0, 2)),
         Call("b_splines", (t, 2, x[:1]), "one point", exact=(0, 2)),
         *(
-            Call("b_splines", (t, k, random.uniform(t[0] - 1, t[-1] + 1, n)), f"{n} points")
+            Call("b_splines", (t, k, random.uniform(t[0] - 1, t[-1] + 1, n)), f"{n} points", (0,))
             for k, n in ((3, 67), (1, 101))
         ),
         Call("b_splines", (t - 3e6, 3, x - 3e6), "knots far away", exact=(0, 2)),

@@ -71,7 +71,7 @@ def many_or_rescaled_errors(random: np.random.Generator) -> tuple[Call, ...]:
         ),
         (
             (points[:9], queries, 3, 0.4),
-            "nine points, two hundred and sixty-three evaluation points and n = 3",
+            "nine points, seventy-one evaluation points and n = 3",
         ),
         ((1e-5 * few, 1e-5 * some, 2, 3e-6), "fifteen points in a square of 10⁻⁵ and n = 2"),
         ((1e-4 * few, 1e-4 * some, 3, 3e-5), "fifteen points in a square of 10⁻⁴ and n = 3"),

@@ -490,7 +490,9 @@ def safe_inputs(seed: int) -> tuple[Call, ...]:
             "the edges and corners of a square of the size 10⁹",
             exact=(0, 1, 2),
         ),
-        Call(name, (1e6 * center, 1e6 * rim, 1e6 * x), "four points inside a cell of the size 10⁶"),
+        Call(
+            name, (1e3 * center, 1e3 * rim, 1e3 * x), "four points inside a cell of the size 1000"
+        ),
         *more_cells(random, (center, rim, corners), x),
     )
 

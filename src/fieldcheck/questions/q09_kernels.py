@@ -387,7 +387,7 @@ def more_fields(random: np.random.Generator, *calls: Call) -> Iterator[Call]:
         yield Call(name, (points, values, 1, degree, x), f"{call.case}, k = 1 instead")
         other = 3 - degree
         yield Call(name, (points, values, k, other, x), f"{call.case}, the degree {other} instead")
-    for n, k, degree in ((1, 1, 0), (1, 3, 0), (2, 1, 0), (3, 2, 1), (3, 3, 1), (6, 3, 2)):
+    for n, k, degree in ((1, 1, 0), (1, 3, 0), (3, 2, 1), (3, 3, 1), (6, 3, 2)):
         points = 2 * UNISOLVENT[:n] + random.uniform(-0.2, 0.2, (n, 2))
         x = np.concatenate([random.uniform(-1, 3, (24, 2)), points])
         case = f"k = {k}, the degree {degree}, number of points: {n}"

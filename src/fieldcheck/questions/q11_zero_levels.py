@@ -266,14 +266,17 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
     )
     signs = np.where(kinds == 1, 1, -1)
     distance = oval(random, 12)[:, :1] + np.array([[1.5, 2.0, 2.5, 3.0]])
-    return calls_of(
+    different = calls_of(
         "pieces",
         ((signs * random.integers(1, 99, (12, 4)),), "twelve squares with whole numbers"),
         ((2.0**-34 * signs[::-1] * distance,), "the same kinds with values of the size 10⁻¹⁰"),
         ((2.0**-600 * signs * distance,), "the same kinds with values of the size 10⁻¹⁸⁰"),
         ((random.permutation(signs * distance)[:1],), "one square"),
-        ((signs,), "twelve squares with the values 1 and −1"),
-        ((-2.5 * signs[::-1],), "twelve squares with the values 2.5 and −2.5"),
+    )
+    return (
+        *different,
+        Call("pieces", (signs,), "twelve squares with the values 1 and −1"),
+        Call("pieces", (-2.5 * signs[::-1],), "twelve squares with the values 2.5 and −2.5", (0,)),
     )
 
 

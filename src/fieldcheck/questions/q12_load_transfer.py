@@ -57,7 +57,7 @@ def meshes(name: str, seed: int) -> tuple[Call, ...]:
         ((2.0**4 * line, random.uniform(-3, 32, (4, 1))), "five nodes on the line, 8 apart"),
         ((line[1:3], random.uniform(-1, 2, (3, 1))), "two nodes on the line"),
         (
-            (grid(random, 2, 2, 2)[[0, 3, 5, 6]], random.uniform(0, 1, (2, 3))),
+            (grid(random, 2, 2, 2)[[0, 3, 5, 6]], random.uniform(0, 1, (6, 3))),
             "four nodes in space",
         ),
     )

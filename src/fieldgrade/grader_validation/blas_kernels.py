@@ -17,7 +17,12 @@ from dataclasses import dataclass
 
 from fieldcheck.answers import Answers
 from fieldgrade.authoring.sources import Source
-from fieldgrade.grader_validation.rounding_errors import TrialKey, Verdicts, rounding_test
+from fieldgrade.grader_validation.rounding_errors import (
+    STUDENTS,
+    TrialKey,
+    Verdicts,
+    rounding_test,
+)
 from fieldrecon._core.simd_dispatch import blas_cores, dispatch, dispatched, features
 
 CORES = {
@@ -92,11 +97,15 @@ class KernelRun:
 
 
 def settings() -> list[Setting]:
-    """Return the settings of this machine: kernels of OpenBLAS, and NumPy without SIMD."""
+    """Return the other settings of this machine: kernels of OpenBLAS, and NumPy without SIMD.
+
+    The kernels of this process are left out, since the verdicts to compare with are made with them.
+    """
     plain = [Setting("all dispatched SIMD of NumPy off", {CHOICES[1]: " ".join(dispatch())})]
     if not has_choice_of_kernels():
         return plain
-    usable = [core for core, names in CORES.items() if names & features()]
+    own = {*blas_cores().values()}
+    usable = [core for core, names in CORES.items() if names & features() and own != {core}]
     return [
         Setting(f"the {core} kernels of OpenBLAS", {CHOICES[0]: core}) for core in usable
     ] + plain
@@ -150,5 +159,6 @@ def answer() -> None:
     request: JudgeRequest = pickle.load(sys.stdin.buffer)
     verdicts: Verdicts = {}
     for source in request.sources:
-        verdicts |= rounding_test(source, request.salt, request.only).verdicts(request.known)
+        found = rounding_test(source, request.salt, request.only, STUDENTS[:1])
+        verdicts |= found.verdicts(request.known)
     sys.stdout.buffer.write(pickle.dumps(KernelRun(blas_cores(), dispatched(), verdicts)))
