@@ -314,7 +314,7 @@ def graph_inputs(seed: int) -> tuple[Call, ...]:
         ((2.0**-40 * space, 4), "points in space of the size 10⁻¹²"),
         ((2.0**30 * space, 4), "points in space of the size 10⁹"),
         ((random.normal(size=(2, 2)), 2), "two points"),
-        ((random.uniform(size=(61, 2)), 4), "61 points in a square"),
+        ((random.uniform(size=(31, 2)), 4), "31 points in a square"),
     )
 
 
