@@ -721,9 +721,9 @@ def raviart_thomas(q, v, x):
     Given are the corners q (3, 2) and the outward normal velocities v (3,).
     """
     # BEGIN SOLUTION
-    n = outward_normals(q)
-    heights = np.ptp(n @ (q - q[0]).T, axis=1)
-    return (v / heights) @ (x - q)
+    n, r = outward_normals(q), x - q
+    heights = np.ptp(n @ r.T, axis=1)
+    return (v / heights) @ r
     # END SOLUTION
 
 

@@ -19,7 +19,7 @@ from grader_memory import peak_memory
 from hostile.case import HERE, ROOT, as_file, notebook
 from hostile.test_submissions import FAMILIES
 
-STUDENTS = int(os.environ.get("FIELDRECON_STUDENTS", "7"))
+STUDENTS = int(os.environ.get("FIELDRECON_STUDENTS", "14"))
 WORKERS = 16
 MOST_MEMORY = 1 << 30
 NUMBERS = sorted({question.notebook for question in questions().values()})

@@ -395,7 +395,7 @@ def more_fields(random: np.random.Generator, *calls: Call) -> Iterator[Call]:
     for size, n, k in ((0.05, 11, 3), (0.05, 12, 2), (100, 11, 3), (300, 12, 2)):
         points = cloud(random, n, 2)
         x = np.concatenate([random.uniform(-0.3, 1.3, (24, 2)), points])
-        case = f"{n} points in a box of the size {size}, k = {k} and the degree 1"
+        case = f"{n} points in a box of {size}, k = {k}"
         yield Call(name, (size * points, random.normal(size=n), k, 1, size * x), case)
     for n, m, case in ((43, 24, "43 points"), (12, 69, "69 evaluation points")):
         points = cloud(random, n, 2)
