@@ -51,9 +51,9 @@ def test_the_selected_method_fits_the_kind_of_data():
 @pytest.mark.slow
 def test_the_selected_method_fits_the_kind_of_data_for_many_samples(monkeypatch):
     """The statement for few samples holds with samples in windows, too."""
-    monkeypatch.setattr(module, "MANY", 3_000)
+    monkeypatch.setattr(module, "MANY", 5_000)
     monkeypatch.setattr(module, "WINDOW", 400)
-    points = clustered(6_000, 2, 30, 0.1, seed=0)
+    points = clustered(10_000, 2, 30, 0.1, seed=0)
     noise = np.random.default_rng(1).standard_normal(len(points))
     assert winner(points, points @ [2.0, 3.0] + noise).family == "LS"
     assert winner(points, franke(points)).name == "pu"
