@@ -38,7 +38,7 @@ def rounding(points: np.ndarray, spread: float | np.ndarray) -> float:
     """Return the rounding error of the normal equations; `spread` is the ratio of the weights.
 
     It is eps times the squared condition of WB, which is at most the spread times the condition of
-    B. Of stacked sets of points it is that of the worst set; each set may have its own spread.
+    B. For stacked sets of points it returns the largest error; each set may have its own spread.
     """
     return 100 * EPS * float(np.max(spread * condition(points))) ** 2
 
