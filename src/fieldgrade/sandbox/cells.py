@@ -22,6 +22,7 @@ from pathlib import Path
 from types import CodeType, ModuleType, TracebackType
 from typing import Any
 
+from fieldcheck.calls import LONGEST_ERROR
 from fieldgrade.sandbox import blocks, statements
 from fieldgrade.sandbox.absent_modules import AbsentModules
 from fieldgrade.sandbox.missing import FontWarnings, Missing, in_error
@@ -289,7 +290,7 @@ class _Report:
 def in_words(error: BaseException, home: str) -> str:
     """Return the type and the message of an error, without the path of the home."""
     try:
-        text = error.msg if isinstance(error, SyntaxError) else str(error)
+        text = str(error.msg if isinstance(error, SyntaxError) else error)[:LONGEST_ERROR]
         return without_home(f"{type(error).__name__}: {text}", home)
     except BaseException:
         return "an error that cannot be shown"
