@@ -3,11 +3,10 @@
 import numpy as np
 
 from fieldcheck.calls import Call
+from fieldcheck.questions.q07_coordinates_without_division import beyond_edges, on_edges
 from fieldcheck.questions.q07_voronoi_coordinates import (
-    beyond_edges,
     mirror_images,
     octagon,
-    on_edges,
     point_for_weights,
     point_outside,
     points_inside,

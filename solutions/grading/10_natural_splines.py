@@ -3,13 +3,8 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q10_natural_splines import (
-    line,
-    natural_data,
-    whole_line,
-    whole_moments,
-    without_moments,
-)
+from fieldcheck.questions.q10_natural_splines import line, natural_data, whole_line, whole_moments
+from fieldcheck.questions.q10_truncated_powers import without_moments
 from fieldgrade.authoring.hidden_cases import hidden
 
 

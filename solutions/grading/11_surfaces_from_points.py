@@ -3,20 +3,15 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q11_point_clouds import (
+from fieldcheck.questions.q11_orientation import (
     circles,
     drop,
-    horseshoe,
-    moved_far,
-    near,
-    outward,
     outward_of_circles,
     outward_of_drop,
     random_signs,
-    sheet,
-    torus,
     upward_of_sheet,
 )
+from fieldcheck.questions.q11_point_clouds import horseshoe, moved_far, near, outward, sheet, torus
 from fieldcheck.questions.q11_zero_levels import (
     beside_a_site,
     body,

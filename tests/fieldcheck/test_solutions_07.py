@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from checkout import ROOT
-from fieldcheck.questions.q07_voronoi_coordinates import on_edges, points_inside, star
+from fieldcheck.questions.q07_coordinates_without_division import on_edges
+from fieldcheck.questions.q07_voronoi_coordinates import points_inside, star
 from fieldgrade.authoring.sources import Source
 from fieldrecon import SimplexMesh, VoronoiCell
 from fieldreport.experiments.barycentric.hexagon_spiral import Star, from_areas, hexagon, spiral

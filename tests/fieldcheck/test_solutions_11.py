@@ -9,15 +9,8 @@ from scipy.spatial import cKDTree
 
 from checkout import ROOT
 from fieldcheck.datasets import kleopatra
-from fieldcheck.questions.q11_point_clouds import (
-    OUTWARD,
-    horseshoe,
-    orient_inputs,
-    outward,
-    oval,
-    random_signs,
-    torus,
-)
+from fieldcheck.questions.q11_orientation import OUTWARD, orient_inputs, random_signs
+from fieldcheck.questions.q11_point_clouds import horseshoe, outward, oval, torus
 from fieldcheck.questions.q11_zero_levels import body, points_about_origin
 from fieldgrade.authoring.sources import Source
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic

@@ -1,46 +1,27 @@
-"""Questions of notebook 02, moving least squares: weights, fit, field, objective, gradient."""
+"""Questions of notebook 02, moving least squares: the field and its gradient."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
-from fieldcheck.question import Question, law, law_of_each, relative
+from fieldcheck.question import Question, law, relative
+from fieldcheck.questions.q02_local_fit import (
+    EPS,
+    TINY,
+    affine,
+    corners,
+    other_coordinates,
+    other_values,
+    rounding,
+    twice,
+)
 from fieldcheck.variants import one_changed
 
-EPS = float(np.finfo(float).eps)
-TINY = 1e-10
-"""A factor of values, beside which an added constant or an absolute tolerance is large."""
-FAR = 1e4
-"""The distance of points from the origin, in units of their size: their squares lose digits."""
 LOCAL = 1e-7
 """Rounding tolerance of laws about local fits, whose systems have larger condition numbers."""
-
-
-def affine(points: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-    """Return the values of an affine field with these slopes and the value 0.7 at the origin."""
-    return points @ slopes + 0.7
-
-
-def condition(points: np.ndarray) -> np.ndarray:
-    """Return the condition number of B with columns of length one, also for stacked sets of points.
-
-    Elimination does not depend on the scale of the columns.
-    """
-    b = np.concatenate([np.ones_like(points[..., :1]), points], axis=-1)
-    return np.asarray(np.linalg.cond(b / np.sqrt((b * b).sum(axis=-2, keepdims=True))))
-
-
-def rounding(points: np.ndarray, spread: float | np.ndarray) -> float:
-    """Return the rounding error of the normal equations; `spread` is the ratio of the weights.
-
-    It is eps times the squared condition of WB, which is at most the spread times the condition of
-    B. For stacked sets of points it returns the largest error; each set may have its own spread.
-    """
-    return 100 * EPS * float(np.max(spread * condition(points))) ** 2
 
 
 def spread_of_weights(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
@@ -52,238 +33,6 @@ def spread_of_weights(points: np.ndarray, x: np.ndarray, epsilon: float) -> floa
 def local_rounding(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
     """Return the rounding error of the normal equations at evaluation points x."""
     return rounding(points, spread_of_weights(points, x, epsilon))
-
-
-def corners(random: np.random.Generator, d: int) -> np.ndarray:
-    """Return D + 1 points near the corners of a triangle, or of a tetrahedron."""
-    return random.random((d + 1, d)) + 2 * np.eye(d + 1, d, -1)
-
-
-def other_coordinates(random: np.random.Generator, n: int, d: int) -> tuple[str, np.ndarray]:
-    """Return words and random points that replace those of a call."""
-    return "other coordinates", random.random((n, d)) - 0.4
-
-
-def other_values(random: np.random.Generator, n: int) -> tuple[str, np.ndarray]:
-    """Return words and random values that replace those of a call."""
-    return "other values", random.normal(size=n)
-
-
-def far_away(random: np.random.Generator, *points: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return points of size one, all moved by the same random vector, far away from the origin."""
-    shift = FAR * random.uniform(1, 3, points[0].shape[-1])
-    return tuple(p + shift for p in points)
-
-
-# 02.1 The weights
-
-
-def weights_inputs(seed: int) -> tuple[Call, ...]:
-    """Return an evaluation point, the same in another unit, one in space, and one at a site.
-
-    All points lie around the origin. A number added to the squares, such as 10⁻¹², is visible in
-    small units only.
-    """
-    random = np.random.default_rng(seed)
-    plane, space = random.random((7, 2)) - 0.4, random.random((5, 3)) - 0.4
-    x = random.random(2) - 0.8
-    calls = calls_of(
-        "weights",
-        ((plane, x, 0.3), "seven points in the plane"),
-        ((3 * plane, 3 * x, 0.9), "the same points in another unit of length"),
-        ((space, random.normal(size=3), 0.6), "five points in space"),
-        ((plane, plane[2].copy(), 0.2), "an evaluation point that is one of the points"),
-        ((1e-5 * plane, 1e-5 * x, 3e-8), "seven points in a square of 10⁻⁵ and a small ε"),
-        ((1e-5 * space, 1e-4 * random.normal(size=3), 5e-7), "five points in a cube of 10⁻⁵"),
-        ((integers(plane), integers(x), 90.0), "seven points in the plane, integers"),
-        (
-            (integers(space), integers(random.normal(size=3)), 180.0),
-            "five points in space, integers",
-        ),
-        ((space, space[3].copy(), 0.25), "an evaluation point in space that is one of the points"),
-        ((random.random((1, 2)), random.random(2), 0.3), "one point of the plane"),
-        ((random.random((1, 3)), random.random(3), 0.4), "one point of space"),
-    )
-    return (
-        calls
-        + tuple(
-            other
-            for call in (calls[0], calls[2])
-            for other in one_changed(
-                call,
-                other_coordinates(random, *call.arguments[0].shape),
-                ("another evaluation point", random.normal(size=call.arguments[1].shape)),
-                ("another ε", 0.45),
-            )
-        )
-        + many_or_far(random)
-    )
-
-
-def many_or_far(random: np.random.Generator) -> tuple[Call, ...]:
-    """Return many points, large units, points far from the origin, and ε that are integers."""
-    plane, space = random.random((69, 2)) - 0.4, random.random((43, 3)) - 0.4
-    x, y = random.random(2), random.random(3)
-    far = calls_of(
-        "weights",
-        ((*far_away(random, plane[:7], x), 0.3), "seven points in the plane, far from the origin"),
-        ((*far_away(random, space[:5], y), 0.4), "five points in space, far from the origin"),
-    )
-    return calls_of(
-        "weights",
-        ((plane, x, 0.3), "sixty-nine points in the plane"),
-        ((space, y, 0.3), "forty-three points in space"),
-        ((1e5 * plane[:7], 1e5 * x, 2e4), "seven points in a square of 10⁵"),
-        ((1e5 * space[:5], 1e5 * y, 3e4), "five points in a cube of 10⁵"),
-        ((integers(plane[:7]), integers(x), 90), "seven points and ε, all of them integers"),
-        ((integers(space[:5]), integers(y), 180), "five points in space and ε, all integers"),
-    ) + tuple(replace(call, exact=(0, 1)) for call in far)
-
-
-@law_of_each(
-    "Between two points the reciprocal of the weight must grow by as much as the squared distance."
-)
-def weights_differ_like_squared_distances(call: Call, values: Values) -> float:
-    (w,) = values
-    points, x, _ = call.arguments
-    left, right = points[:-1], points[1:]
-    expected = ((right - left) * (right + left - 2 * x)).sum(axis=-1)
-    return relative(w[:-1] - w[1:] - expected * w[:-1] * w[1:], w)
-
-
-@law("At a point itself r is zero, and the weight must be 1/ε².")
-def greatest_at_the_point_itself(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return float(abs(values[3][0][2] * calls[3].arguments[2] ** 2 - 1))
-
-
-@law("Where all lengths, ε among them, are three times as large, each weight must be a ninth.")
-def unit_of_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return relative(9 * values[1][0] - values[0][0], values[0][0])
-
-
-# 02.2 The fit
-
-
-def fit_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points of the plane and of space, each with one weight far above the others, in a
-    small unit, and nearly in a line or a layer; and as many points as coefficients.
-
-    Some points are measured twice, with two values and two weights.
-    """
-    random = np.random.default_rng(seed)
-    corner = random.random((3, 2)) + np.array([[0, 0], [2, 0], [0, 2]])
-    plane, space = random.random((12, 2)), random.random((20, 3)) - 0.4
-
-    def alike(n: int) -> np.ndarray:
-        return random.uniform(0.3, 3, n)
-
-    def spread(n: int) -> np.ndarray:
-        return 10 ** random.uniform(-2, 0, n)
-
-    def one_large(n: int) -> np.ndarray:
-        return np.where(np.arange(n) == 4, 100, alike(n))
-
-    cases = (
-        (twice(plane, 2), one_large, "fourteen measurements at twelve points, one weight large"),
-        (twice(space, 3), one_large, "twenty-three measurements in space, one weight large"),
-        (corner, alike, "three points in the plane"),
-        (1e-6 * twice(plane, 2), alike, "fourteen measurements in a square of 10⁻⁶"),
-        (1e-6 * twice(space, 3), alike, "twenty-three measurements in a cube of 10⁻⁶"),
-        (
-            [1, 1e-3] * twice(plane, 2),
-            spread,
-            "fourteen measurements nearly in a line, and weights from 0.01 to 1",
-        ),
-        (
-            [1e-3, 1, 1] * twice(space, 3),
-            spread,
-            "twenty-three measurements nearly in a layer, and weights from 0.01 to 1",
-        ),
-    )
-    given = [((p, random.normal(size=len(p)), weigh(len(p))), case) for p, weigh, case in cases]
-    (_, v, w), (_, data, _) = given[0][0], given[1][0]
-    given += [
-        (
-            (integers(twice(plane, 2)), integers(v), w),
-            "fourteen measurements in the plane, integers",
-        ),
-        (
-            (integers(twice(space, 3)), data, alike(23)),
-            "twenty-three measurements in space, integers",
-        ),
-        ((corners(random, 3), random.normal(size=4), alike(4)), "four points in space"),
-        ((plane, TINY * v[:12], alike(12)), "twelve points in the plane, values of size 10⁻¹⁰"),
-        ((space, TINY * data[:20], alike(20)), "twenty points in space, values of size 10⁻¹⁰"),
-    ]
-    calls = tuple(Call("weighted_fit", arguments, case, exact=(0,)) for arguments, case in given)
-    return (
-        calls
-        + tuple(
-            other
-            for call in calls[:2]
-            for other in one_changed(
-                call,
-                other_coordinates(random, *call.arguments[0].shape),
-                other_values(random, len(call.arguments[0])),
-                ("other weights", alike(len(call.arguments[0]))),
-            )
-        )
-        + many_or_rescaled_fits(random)
-    )
-
-
-def many_or_rescaled_fits(random: np.random.Generator) -> tuple[Call, ...]:
-    """Return many points, other units of length, weights that are integers, and equal values.
-
-    The weights have the unit of (2.3).
-    """
-    plane, space = random.random((43, 2)) - 0.4, random.random((69, 3)) - 0.4
-    v, data = random.normal(size=43), random.normal(size=69)
-    w, u = random.uniform(0.3, 3, 43), random.uniform(0.3, 3, 69)
-    few, other = slice(12), slice(15)
-    return calls_of(
-        "weighted_fit",
-        ((plane, v, w), "forty-three points in the plane"),
-        ((space, data, u), "sixty-nine points in space"),
-        *(
-            given
-            for unit, words in ((1e-5, "10⁻⁵"), (1e3, "1000"))
-            for given in (
-                (
-                    (unit * plane[few], v[few], w[few] / unit**2),
-                    f"twelve points and weights, all lengths in a square of {words}",
-                ),
-                (
-                    (unit * space[other], data[other], u[other] / unit**2),
-                    f"fifteen points and weights, all lengths in a cube of {words}",
-                ),
-            )
-        ),
-        ((plane[few], v[few], random.integers(1, 9, 12)), "twelve weights that are integers"),
-        (
-            (integers(space[other]), integers(data[other]), random.integers(1, 9, 15)),
-            "fifteen points, values and weights, all of them integers",
-        ),
-        ((plane[few], np.full(12, v[0]), w[few]), "twelve points of equal values"),
-        ((space[other], np.full(15, data[0]), u[other]), "fifteen points of equal values"),
-    )
-
-
-def twice(points: np.ndarray, k: int) -> np.ndarray:
-    """Return points, followed by the first k of them again: they are measured twice."""
-    return np.append(points, points[:k], axis=0)
-
-
-@law_of_each(
-    "The residual of the best fit, multiplied by the squared weights, must be "
-    "orthogonal to the columns of B."
-)
-def weighted_residual_is_orthogonal(call: Call, values: Values) -> float:
-    (c,) = values
-    points, data, w = call.arguments
-    pull = w * w * (data - c[0] - sum(c[k + 1] * column for k, column in enumerate(points.T)))
-    moments = [pull.sum(), *(pull @ column for column in points.T)]
-    return relative(np.array(moments), np.sum(w * w * np.abs(data)))
 
 
 # 02.4 The field
@@ -410,133 +159,6 @@ def only_relative_positions_count(calls: Sequence[Call], values: Sequence[Values
     return relative(values[2][0] - values[0][0], np.abs(values[0][0]).max() + 1)
 
 
-# 02.5 The objective
-
-
-def objective_inputs(seed: int) -> tuple[Call, ...]:
-    """Return non-optimal coefficients, all doubled, with an affine field added, and in space."""
-    random = np.random.default_rng(seed)
-    p, v, x, c = (
-        random.random((9, 2)),
-        random.normal(size=9),
-        random.random(2),
-        random.normal(size=3),
-    )
-    slopes = np.array([1.5, -2.0])
-    calls = calls_of(
-        "objective",
-        ((p, v, x, 0.4, c), "nine points in the plane"),
-        ((p, 2 * v, x, 0.4, 2 * c), "values and coefficients doubled"),
-        (
-            (p, v + affine(p, slopes), x, 0.4, c + np.array([0.7, *slopes])),
-            "the same affine field added to the values and the coefficients",
-        ),
-        (
-            (
-                random.random((6, 3)) - 0.4,
-                random.normal(size=6),
-                random.random(3) - 0.8,
-                0.5,
-                random.normal(size=4),
-            ),
-            "six points in space",
-        ),
-    )
-    return (
-        *calls,
-        *unusual_objectives(calls[0], calls[3]),
-        *(
-            other
-            for call in (calls[0], calls[3])
-            for other in one_changed(
-                call,
-                other_coordinates(random, *call.arguments[0].shape),
-                other_values(random, len(call.arguments[0])),
-                ("another evaluation point", random.random(call.arguments[2].shape)),
-                ("another ε", 0.7),
-                ("other coefficients", random.normal(size=call.arguments[4].shape)),
-            )
-        ),
-        *many_or_far_objectives(random),
-    )
-
-
-def many_or_far_objectives(random: np.random.Generator) -> tuple[Call, ...]:
-    """Return many points, other units, points far from x or from the origin, and integers.
-
-    In other units the slopes have other numbers, too.
-    """
-    calls: list[Call] = []
-    far: list[Call] = []
-    for n, d, words in ((69, 2, "in the plane"), (43, 3, "in space")):
-        p, v, x = random.random((n, d)) - 0.4, random.normal(size=n), random.random(d) - 0.4
-        c, few = random.normal(size=d + 1), slice(4 * d)
-        number = {69: "sixty-nine", 43: "forty-three"}[n]
-        scaled = [
-            (
-                (unit * p[few], v[few], unit * x, unit * 0.3, np.append(c[:1], c[1:] / unit)),
-                f"{4 * d} points {words}, all lengths multiplied by {factor}",
-            )
-            for unit, factor in ((1e-5, "10⁻⁵"), (1e5, "10⁵"))
-        ]
-        calls += calls_of(
-            "objective",
-            ((p, v, x, 0.3, c), f"{number} points {words}"),
-            *scaled,
-            (
-                (p[few], v[few], x + 2, 0.15, c),
-                f"{4 * d} points {words}, all far from x in units of ε",
-            ),
-            (
-                (integers(p[few]), integers(v[few]), integers(x), 120, integers(c, 9)),
-                f"{4 * d} points {words}, and all numbers integers",
-            ),
-            ((p[few], v[few], x, 0.3, 0 * c), f"{4 * d} points {words}, all coefficients zero"),
-        )
-        distant, y = far_away(random, p[few], x)
-        case = f"{4 * d} points {words}, far from the origin"
-        far.append(Call("objective", (distant, v[few], y, 0.4, c), case, exact=(0, 2)))
-    return (*calls, *far)
-
-
-def unusual_objectives(plane: Call, space: Call) -> tuple[Call, ...]:
-    """Return evaluation points that are points of the data, tiny values, few points, integers."""
-    (p, v, x, epsilon, c), (q, data, y, width, k) = plane.arguments, space.arguments
-    at_a_point = calls_of(
-        "objective",
-        ((p, v, p[3].copy(), epsilon, c), "an evaluation point that is one of nine points"),
-        ((q, data, q[2].copy(), width, k), "an evaluation point that is one of six in space"),
-    )
-    return tuple(replace(call, exact=(0, 2)) for call in at_a_point) + calls_of(
-        "objective",
-        ((p, TINY * v, x, epsilon, TINY * c), "nine points, values of size 10⁻¹⁰"),
-        ((q, TINY * data, y, width, TINY * k), "six points in space, values of size 10⁻¹⁰"),
-        ((p[:3], v[:3], x, epsilon, c), "three points in the plane"),
-        ((q[:2], data[:2], y, width, k), "two points in space"),
-        ((p[:1], v[:1], x, epsilon, c), "one point of the plane"),
-        ((p[:, :1], v, x[:1], epsilon, c[:2]), "nine points on the line"),
-        ((integers(p), integers(v), integers(x), 120.0, c), "nine points and values, integers"),
-        ((integers(q), data, integers(y), 150.0, k), "six points in space, integers"),
-        ((q, data, y, width, integers(k, 9)), "coefficients that are integers"),
-    )
-
-
-@law(
-    "ψ is a sum of squares, so doubling the values and the coefficients must make it four times "
-    "as large."
-)
-def is_quadratic(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return relative(values[1][0] - 4 * values[0][0], values[1][0])
-
-
-@law(
-    "Adding the same affine field to Bc and V must not change ψ, which depends on their "
-    "difference only."
-)
-def depends_on_the_residual_only(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return relative(values[2][0] - values[0][0], values[0][0])
-
-
 # 02.7 The gradient
 
 
@@ -613,25 +235,6 @@ def adds_the_slope_of_affine_fields(calls: Sequence[Call], values: Sequence[Valu
 
 QUESTIONS = (
     Question(
-        "02.1",
-        "weights",
-        2,
-        weights_inputs,
-        lambda call: ((len(call.arguments[0]),),),
-        (weights_differ_like_squared_distances, unit_of_length, greatest_at_the_point_itself),
-    ),
-    Question(
-        "02.2",
-        "weighted_fit",
-        3,
-        fit_inputs,
-        lambda call: ((call.arguments[0].shape[1] + 1,),),
-        (weighted_residual_is_orthogonal,),
-        lambda call: rounding(
-            call.arguments[0], float(call.arguments[2].max() / call.arguments[2].min())
-        ),
-    ),
-    Question(
         "02.4",
         "field",
         3,
@@ -639,14 +242,6 @@ QUESTIONS = (
         lambda call: ((len(call.arguments[2]),),),
         (reproduces_affine_fields, only_relative_positions_count),
         lambda call: local_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
-    ),
-    Question(
-        "02.5",
-        "objective",
-        2,
-        objective_inputs,
-        lambda _: ((),),
-        (is_quadratic, depends_on_the_residual_only),
     ),
     Question(
         "02.7",

@@ -8,18 +8,16 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Question, law, relative
-from fieldcheck.questions.q02_moving_least_squares import (
-    LOCAL,
+from fieldcheck.questions.q02_local_fit import (
     TINY,
     affine,
     corners,
-    local_rounding,
     other_coordinates,
     other_values,
     rounding,
-    spread_of_weights,
     twice,
 )
+from fieldcheck.questions.q02_moving_least_squares import LOCAL, local_rounding, spread_of_weights
 from fieldcheck.variants import one_changed
 
 # 02.8 Least squares against moving least squares

@@ -8,12 +8,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Question, law, law_of_each, relative
-from fieldcheck.questions.q03_radial_basis_functions import (
-    TINY,
-    at_distance_one,
-    cloud,
-    extent,
-)
+from fieldcheck.questions.q03_radial_basis_functions import TINY, at_distance_one, cloud, extent
 from fieldcheck.variants import one_changed
 
 # 03.5 The signs of the eigenvalues

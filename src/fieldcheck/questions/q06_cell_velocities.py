@@ -8,12 +8,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Question, law, relative
-from fieldcheck.questions.q05_edges import (
-    AWAY,
-    directions,
-    in_short_binary_numbers,
-    mesh,
-)
+from fieldcheck.questions.q05_edges import AWAY, directions, in_short_binary_numbers, mesh
 from fieldcheck.simplices import (
     DIGITS_FAR_AWAY,
     FAR,

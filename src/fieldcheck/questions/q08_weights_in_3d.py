@@ -14,12 +14,11 @@ import numpy as np
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Law, Question, law, relative
 from fieldcheck.questions.q05_edges import in_short_binary_numbers
-from fieldcheck.questions.q07_voronoi_coordinates import (
-    ONE,
-    balances,
+from fieldcheck.questions.q07_coordinates_without_division import (
     has_negative_coordinates_outside,
     is_rotation_invariant,
 )
+from fieldcheck.questions.q07_voronoi_coordinates import ONE, balances
 from fieldcheck.simplices import (
     is_equally_far,
     is_halved,
