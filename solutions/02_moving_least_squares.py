@@ -34,7 +34,8 @@
 # and run the check below it. The check reports whether the function is right and, if it is not,
 # which mistake is likely. After a check that is not right, `case()` in a new cell shows the
 # inputs for which your function failed, your values and, for the inputs that are the same for
-# everybody, the right values.
+# everybody, the right values. Arrays may hold integers, and a function must not change its
+# arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -145,7 +146,7 @@ def the_problem(x):
 # ### 02.1 The weights
 #
 # Write a function that returns the weights of all points for one evaluation point. They must be
-# accurate also far from the origin, and for whole numbers of any type.
+# accurate also far from the origin, and for arrays of integers.
 
 
 # %% question="02.1" minutes=15
@@ -243,7 +244,7 @@ print("H c for c = (0, 5/2):", three_h @ np.array([0.0, 2.5]))
 # %% [markdown]
 # ### 02.2 The coefficients
 #
-# Write a function that solves (2.5) for given weights, none of which is zero.
+# Write a function that solves (2.5) for given weights, all of them positive.
 #
 # <details><summary>Hint</summary>
 #

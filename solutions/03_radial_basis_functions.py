@@ -34,7 +34,8 @@
 # Each question asks for a function or for an answer in words. Write the function, run its cell,
 # and run the check below it. After a check that is not right, `case()` in a new cell shows the
 # inputs for which your function failed, your values and, for the inputs that are the same for
-# everybody, the right values.
+# everybody, the right values. Arrays may hold integers, and a function must not change its
+# arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -660,7 +661,7 @@ def one_value_changed(which):
 
 # %% [markdown]
 # **What to look at.** The value of one of your points is changed, and the others are kept. The
-# energy is a parabola and never negative. Its minimum is the value that the field of the other
+# energy is a parabola and never negative. It is least at the value that the field of the other
 # points has there. What is $\lambda_j$ of this point at the minimum?
 #
 # ## In words

@@ -31,7 +31,8 @@
 # Each question asks for a function or for an answer in words. Write the function, run its cell,
 # and run the check below it. After a check that is not right, `case()` in a new cell shows the
 # inputs for which your function failed, your values and, for the inputs that are the same for
-# everybody, the right values.
+# everybody, the right values. Arrays may hold integers, and a function must not change its
+# arguments.
 
 # %% [markdown]
 # ## A finished function
@@ -440,9 +441,10 @@ def rotating(one, together):
 #
 # <details><summary>Hint</summary>
 #
-# Each sample is omitted for exactly one direction and its opposite. So at most $N$ directions must
-# be tested. Points are not on one line if their matrix $\mathbf{B}$ has rank three. This test is
-# also right for fewer than three points.
+# Each sample is omitted for exactly one direction and its opposite. So at most $N$ directions
+# must be tested. Points are not on one line if their matrix $\mathbf{B}$ has rank three; choose
+# the tolerance of the rank for distances of $10^{-9}$. This test is also right for fewer than
+# three points.
 #
 # </details>
 
@@ -537,8 +539,8 @@ check("04.6")
 #    1 & x_V & y_V & x_V^2 & x_V y_V & y_V^2 \end{bmatrix}. \tag{4.6} $$
 #
 # Here $(x_j, y_j)$ are the $V = k + 1$ vertices of the star. The rank is six if and only if no
-# *conic* contains all vertices: no ellipse, parabola, hyperbola or pair of lines. Write the rank on
-# the right-hand side of (4.6).
+# *conic* contains all vertices: no ellipse, parabola, hyperbola, pair of lines or single line.
+# Write the rank on the right-hand side of (4.6).
 #
 # As in 04.2 the rank must depend neither on the origin nor on the unit of length. Scale the
 # vertices to size one before you form the squares, and count singular values below $10^{-9}$ as

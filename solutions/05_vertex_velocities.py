@@ -38,7 +38,8 @@
 # and run the check below it. The check reports whether the function is right and, if it is not,
 # which mistake is likely. After a check that is not right, `case()` in a new cell shows the
 # inputs for which your function failed, your values and, for the inputs that are the same for
-# everybody, the right values.
+# everybody, the right values. Arrays may hold integers, and a function must not change its
+# arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -650,11 +651,12 @@ def reconstruction(rings, epsilon, seed):
 # ### 05.9 The ranks
 #
 # Write a function that returns the rank of $\mathbf{B}'$ at every vertex of a mesh. At one vertex
-# it is the rank of 04.2 for the samples of the ring; if you have written 04.2, you may adapt your
-# function. The rank must depend neither on the position of the mesh nor on the unit of length: a
-# mesh in millimetres has the same ranks as one in metres. Divide each column of $\mathbf{B}'$ by
-# its norm, and count singular values below $10^{-6}$ as zero: far from the origin the rounding
-# errors are close to the tolerance of 04.2. Every point is a corner of at least one triangle.
+# it is the rank of the matrix of 04.2 for the samples of the ring, with another scaling and
+# another tolerance; if you have written 04.2, you may adapt your function. The rank must depend
+# neither on the position of the mesh nor on the unit of length: a mesh in millimetres has the
+# same ranks as one in metres. Divide each column of $\mathbf{B}'$ by its norm, and count singular
+# values below $10^{-6}$ as zero: far from the origin the rounding errors are close to the
+# tolerance of 04.2. Every point is a corner of at least one triangle.
 #
 # <details><summary>Hint</summary>
 #

@@ -35,7 +35,7 @@
 # cell, and run the check below it. The check reports whether the function is right and, if not,
 # which kind of mistake it may contain. Then `case()`, in a new cell, shows the inputs for which
 # your function failed, your values and, for the inputs that are the same for everybody, the right
-# values.
+# values. Arrays may hold integers, and a function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -176,8 +176,9 @@ print(side_lengths(np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]])))
 # ### 06.1 The outward normals
 #
 # Write a function that returns $\mathbf{N}$ of (6.1). The corners may be listed clockwise or
-# counter-clockwise. The triangle may have any size, and may be nearly flat. It may be small and far
-# from the origin: then a formula with products of the coordinates themselves loses all digits.
+# counter-clockwise. The triangle may have any size. It may be nearly flat, but its least height is
+# at least $10^{-5}$ of its longest side. It may be small and far from the origin: then a formula
+# with products of the coordinates themselves loses all digits.
 #
 # <details><summary>Hint</summary>
 #
@@ -353,7 +354,7 @@ check("06.3")
 # ### 06.4 The circumcentre
 #
 # Write a function that returns $\mathbf{O}$. It must keep its accuracy for a triangle far from the
-# origin, and for a triangle of any size.
+# origin, and for a triangle of any size, also a small one far from the origin.
 #
 # <details><summary>Hint</summary>
 #
@@ -489,7 +490,7 @@ def cells(s, seed):
 # Write a function that returns the root-mean-square (RMS) errors for all three choices. Let
 # $\mathbf{m}$ be the mean of the points, let the data be
 # $v_a = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a)$ at the midpoints of the sides, and let
-# $\mathbf{u}_T$ be your velocity of cell $T$. The mesh may be far from the origin. Then
+# $\mathbf{u}_T$ be your velocity of cell $T$. The mesh may be small and far from the origin. Then
 #
 # $$ E_{\mathbf{O}} = \sqrt{\operatorname{mean}_T \lVert \mathbf{u}_T - \mathbf{u}(\mathbf{O}_T)
 #    \rVert^2}, \qquad
@@ -500,8 +501,8 @@ def cells(s, seed):
 #    \mathbf{u}(\mathbf{q}_{T,a}) \rVert^2} \tag{6.7} $$
 #
 # are the errors at the circumcentres $\mathbf{O}_T$, at the centroids $\mathbf{M}_T$, and at the
-# corners $\mathbf{q}_{T,a}$ of each cell. Another $\mathbf{m}$ would give the same errors: it adds
-# the same constant velocity to the field and to all $\mathbf{u}_T$.
+# corners $\mathbf{q}_{T,a}$ of each cell. Another $\mathbf{m}$ would give the same errors, up to
+# rounding: it adds the same constant velocity to the field and to all $\mathbf{u}_T$.
 
 
 # %% question="06.6" minutes=25
@@ -704,7 +705,8 @@ def matching_point(s, apex, height):
 # ### 06.8 The Raviart–Thomas field
 #
 # Write a function that returns $\mathbf{w}$ at one point, inside the triangle or outside. The
-# triangle may have any size, and may be far from the origin.
+# triangle may have any size. It may be small and far from the origin: then the differences in (6.8)
+# keep their digits, and products with the coordinates themselves lose them.
 #
 # <details><summary>Hint</summary>
 #
@@ -822,8 +824,8 @@ def defect_and_error(s, strain, noise):
 #   step from side $a$ inwards by the distance $t$ changes $\mathbf{n}_a \cdot \mathbf{w}$ by the
 #   same amount for all sides. Which distances from the three sides has $\mathbf{K}$?
 # - *Comparison with the vertices.* For the rotation, show that the difference between the velocity
-#   of a cell and the field at each corner is the circumradius. What does the error at the vertices
-#   measure, then?
+#   of a cell and the field has the same length at all corners, which grows like the circumradius.
+#   What does the error at the vertices measure, then?
 # - *Expansion and noise.* For an expansion the error at the circumcentre is
 #   $s\,\lVert\mathbf{K} - \mathbf{O}\rVert$. For which triangles is it zero? Noise of size $\delta$
 #   in the three data has three components. How large is the error of the velocity?

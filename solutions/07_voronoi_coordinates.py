@@ -37,7 +37,8 @@
 # Each question with code asks for one short function. Write it, run its cell, and run the check
 # below it. The check reports whether the function is right and, if not, which kind of mistake it
 # may contain. Then `case()`, in a new cell, shows the inputs for which your function failed, your
-# values and, for the inputs that are the same for everybody, the right values.
+# values and, for the inputs that are the same for everybody, the right values. Arrays may hold
+# integers, and a function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -444,8 +445,8 @@ def one_coordinate(a):
 #
 # ## A spiral
 #
-# A *hyperbolic spiral* runs from near an edge of the cell to its centre. Let $\mathbf{p}_a$ and
-# $\mathbf{p}_b$ be two *neighbouring* corners, and
+# A *hyperbolic spiral* runs from near an edge of the cell towards its centre. Let $\mathbf{p}_a$
+# and $\mathbf{p}_b$ be two *neighbouring* corners, and
 #
 # $$ \mathbf{s}_n = \mathbf{x}_i + \frac{r}{n} \begin{bmatrix} \cos(n\,\Delta\theta) \\
 #    \sin(n\,\Delta\theta) \end{bmatrix},

@@ -31,7 +31,8 @@
 #
 # Each question asks for a short function with a check below it, or for a proof in words. After a
 # check that is not right, `case()` in a new cell shows the inputs for which your function failed,
-# your values and, for the inputs that are the same for everybody, the right values.
+# your values and, for the inputs that are the same for everybody, the right values. Arrays may
+# hold integers, and a function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -281,7 +282,8 @@ check("08.2")
 # ### 08.4 The determinant of the normals
 #
 # Write a function that computes $\operatorname{vol}(\mathcal{N}_a)$ from its definition (8.1), with
-# the normals of step 1, for one tetrahedron.
+# the normals of step 1, for one tetrahedron. The edges may be close to one plane, but the volume of
+# their normals is at least 0.01.
 
 
 # %% question="08.4" minutes=10

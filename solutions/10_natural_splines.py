@@ -36,6 +36,7 @@
 # Each question asks for a short function with a check below it, or for an answer in words. After
 # a check that is not right, `case()` in a new cell shows the inputs for which your function
 # failed, your values and, for the inputs that are the same for everybody, the right values.
+# Arrays may hold integers, and a function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -291,8 +292,7 @@ def your_spline(height):
 # ### 10.3 The moments
 #
 # Write a function that solves this *tridiagonal system*. From here on the sites are in ascending
-# order. In 10.3, 10.4 and 10.6 they may be far from the origin. With two sites only, all moments
-# are zero.
+# order. They may be far from the origin. With two sites only, all moments are zero.
 #
 # <details><summary>Hint</summary>
 #
@@ -323,9 +323,10 @@ check("10.3")
 # %% [markdown]
 # ### 10.4 The pieces
 #
-# Write a function that evaluates the spline at any points, in any order: by (10.6) on the interval
-# of each point, and outside by the tangents at the first and the last site. The argument `bends`
-# contains the moments of the spline through the values.
+# Write a function that evaluates the spline at any points, in any order, also where the sites are
+# far from the origin: by (10.6) on the interval of each point, and outside by the tangents at the
+# first and the last site. The argument `bends` contains the moments of the spline through the
+# values.
 #
 # <details><summary>Hint</summary>
 #
@@ -595,9 +596,10 @@ def round_trip():
 #
 # ### 10.6 The energy of the spline
 #
-# Write a function that computes $E(s)$ exactly from the moments: $s''$ is a broken line, and its
-# square is a parabola on each interval. In the worked example the moments are $0, -3, 0$, and
-# $E(s) = 3 + 3 = 6$. In the check the moments at both ends need not be zero.
+# Write a function that computes $E(s)$ exactly from the moments, also where the sites are far
+# from the origin: $s''$ is a broken line, and its square is a parabola on each interval. In the
+# worked example the moments are $0, -3, 0$, and $E(s) = 3 + 3 = 6$. In the check the moments at
+# both ends need not be zero.
 #
 # <details><summary>Hint</summary>
 #

@@ -36,7 +36,8 @@
 #
 # Each question asks for a function with a check below it, or for an answer in words. After a
 # check that is not right, `case()` in a new cell shows the inputs for which your function failed,
-# your values and, for the inputs that are the same for everybody, the right values.
+# your values and, for the inputs that are the same for everybody, the right values. Arrays may
+# hold integers, and a function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -134,9 +135,9 @@ def problem(points):
 # ## Normals by principal component analysis
 #
 # Near a point, a smooth curve looks like a straight line and a smooth surface like a plane. So we
-# fit a line or plane to the neighbours of each point. No two points of a cloud are equal. Let
-# $N(i)$ be the $K$ points nearest to $\mathbf{p}_i$, including $\mathbf{p}_i$ itself. Their mean
-# and their *covariance matrix* are
+# fit a line or plane to the neighbours of each point. No two points of a cloud are equal, and no
+# two neighbours are equally far from a point. Let $N(i)$ be the $K$ points nearest to
+# $\mathbf{p}_i$, including $\mathbf{p}_i$ itself. Their mean and their *covariance matrix* are
 #
 # $$ \mathbf{m}_i = \frac1K \sum_{j \in N(i)} \mathbf{p}_j , \qquad
 #    \mathbf{C}_i = \frac1K \sum_{j \in N(i)} (\mathbf{p}_j - \mathbf{m}_i)(\mathbf{p}_j -
@@ -523,7 +524,7 @@ check("11.5")
 #
 # Test your gradient by differences before you run the check: $\partial F / \partial x_1$ at
 # $\mathbf{x}$ should agree with $\big(F(\mathbf{x} + h \mathbf{e}_1) - F(\mathbf{x} - h
-# \mathbf{e}_1)\big) / (2h)$ for $h = 10^{-5}$, to about nine digits.
+# \mathbf{e}_1)\big) / (2h)$ for $h = 10^{-5}$, to about nine digits near the origin.
 #
 # <details><summary>Hint</summary>
 #
@@ -579,10 +580,10 @@ def beside(distance):
 #
 # ## Projection onto the surface
 #
-# The gradient is normal to the level sets of $F$. Since $F$ decreases outward, the *outward* normal
-# is $-\nabla F / \lVert \nabla F \rVert$, at every point of space. A point near the surface is
-# projected onto it by Newton's method along the gradient. Each step replaces $F$ by its tangent and
-# moves to the zero of the tangent:
+# The gradient is normal to the level sets of $F$. Since $F$ decreases outward, the *outward*
+# normal is $-\nabla F / \lVert \nabla F \rVert$, at every point where $\nabla F \neq \mathbf{0}$.
+# A point near the surface is projected onto it by Newton's method along the gradient. Each step
+# replaces $F$ by its tangent and moves to the zero of the tangent:
 #
 # $$ \mathbf{x} \;\leftarrow\; \mathbf{x} - \frac{F(\mathbf{x})}{\lVert \nabla F(\mathbf{x})
 #    \rVert^2} \nabla F(\mathbf{x}) . \tag{11.9} $$

@@ -38,7 +38,8 @@
 #
 # Each question asks for a function with a check below it, or for an answer in words. After a
 # check that is not right, `case()` in a new cell shows the inputs for which your function failed,
-# your values and, for the inputs that are the same for everybody, the right values.
+# your values and, for the inputs that are the same for everybody, the right values. Arrays may
+# hold integers, and a function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -811,7 +812,7 @@ def typical_section(lam, omega):
 #
 # $$ \det(\mathbf{K} - q\, \mathbf{H}^T\mathbf{A}\mathbf{H}) = 0 . \tag{12.11} $$
 #
-# Return this $q$. Assume that there is one.
+# Return this $q$. Assume that there is one, and that it belongs to a simple eigenvalue.
 #
 # <details><summary>Hint</summary>
 #

@@ -39,7 +39,8 @@
 #
 # Each question asks for a function with a check below it, or for an answer in words. After a
 # check that is not right, `case()` in a new cell shows the inputs for which your function failed,
-# your values and, for the inputs that are the same for everybody, the right values.
+# your values and, for the inputs that are the same for everybody, the right values. Arrays may
+# hold integers, and a function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -409,7 +410,8 @@ print(32 * np.linalg.solve(system(three), [1 / 8, 1 / 8, 27 / 8, 1, 1 / 2])[:3])
 #
 # Return $\mathbf{H}$: row $i$ has the weights (13.7) of the $k$ sites nearest to foot $i$, and
 # zeros elsewhere. Here $D + 1 \le k \le N$, the $k$ sites are unisolvent, and no two distances are
-# equal where it matters which site is nearer. The sites may be far from the origin.
+# equal where it matters which site is nearer. The sites may be far from the origin; the weights do
+# not change if the foot is made the origin.
 #
 # <details><summary>Hint</summary>
 #
@@ -428,8 +430,8 @@ def step_matrix(sites, feet, k):
     for i, y in enumerate(feet):
         r = np.linalg.norm(sites - y, axis=1)
         near = np.argsort(r)[:k]
-        b = np.concatenate([r[near] ** 3, [1], y])
-        H[i, near] = np.linalg.solve(system(sites[near]), b)[:k]
+        b = np.concatenate([r[near] ** 3, [1], 0 * y])  # the foot is the origin
+        H[i, near] = np.linalg.solve(system(sites[near] - y), b)[:k]
     return H
     # END SOLUTION
 

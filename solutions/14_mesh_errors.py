@@ -33,7 +33,8 @@
 #
 # Each question asks for a function with a check below it, or for an answer in words. After a
 # check that is not right, `case()` in a new cell shows the inputs for which your function failed,
-# your values and, for the inputs that are the same for everybody, the right values.
+# your values and, for the inputs that are the same for everybody, the right values. Arrays may
+# hold integers, and a function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -257,7 +258,7 @@ check("14.1")
 
 # %% [markdown]
 # From now on a surface is a list of triangles; each row has the numbers of three different
-# vertices.
+# vertices. Vertices with different numbers are different, even if their points are equal.
 #
 # ## Boundary edges and non-manifold edges
 #
@@ -419,10 +420,11 @@ def welding(exponent):
 # ### 14.4 Boundary loops
 #
 # Return for each of $n$ vertices the name of its loop, and $-1$ if the vertex is on no loop. For
-# the square of the example, with $n = 5$, the result is $0, 0, 0, 0, -1$. Each vertex on the
-# boundary is on two boundary edges. Some triangles may be inverted, so the boundary sides need
-# not run the same way round. Some edges may be non-manifold; they do not belong to the boundary.
-# A triangle that is listed twice counts twice, as in 14.2.
+# the square of the example, with $n = 5$, the result is $0, 0, 0, 0, -1$. In the check each
+# vertex on the boundary is on two boundary edges. The fin in the audit at the end has a path
+# instead of a loop, which gets its name in the same way. Some triangles may be inverted, so the
+# boundary sides need not run the same way round. Some edges may be non-manifold; they do not
+# belong to the boundary. A triangle that is listed twice counts twice, as in 14.2.
 
 
 # %% question="14.4" minutes=10
@@ -694,7 +696,7 @@ check("14.7")
 # $\mathbf{p} = (1,1,2)$ and $\mathbf{q} = (1,1,-2)$. The cross product of $\mathbf{b} -
 # \mathbf{a}$ and $\mathbf{c} - \mathbf{a}$ is $(0, 0, 16)$, so the numbers for $\mathbf{p}$ and
 # $\mathbf{q}$ are $32$ and $-32$, and the first condition holds. The three numbers of the second
-# condition are $16$, $32$ and $16$. All three are positive, so the segment passes through the
+# condition are $-16$, $-32$ and $-16$. All three are negative, so the segment passes through the
 # triangle. The segment from $\mathbf{p}$ to $(1,1,1)$ does not pass through the triangle, because
 # both numbers of the first condition are positive.
 #

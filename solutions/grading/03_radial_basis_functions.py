@@ -3,7 +3,7 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q03_radial_basis_functions import at_distance_one, cloud
+from fieldcheck.questions.q03_radial_basis_functions import at_distance_one, cloud, with_zeros
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -60,6 +60,12 @@ def on_the_line(seed):
             "coefficients", (cloud(random, 9, 1), random.normal(size=9)), "nine points on the line"
         ),
         Call("coefficients", (cloud(random, 40, 2), random.normal(size=40)), "forty points"),
+        Call("coefficients", (cloud(random, 9, 1), np.full(9, 0.7)), "equal values on the line"),
+        Call(
+            "coefficients",
+            (cloud(random, 8, 2), with_zeros(random.normal(size=8), 2, 6)),
+            "eight values, two of them zero",
+        ),
         Call(
             "coefficients",
             (at_distance_one(random, 3), random.normal(size=7)),

@@ -4,7 +4,13 @@ import numpy as np
 
 from fieldcheck.calls import Call
 from fieldcheck.questions.q05_edges import mesh
-from fieldcheck.questions.q06_cell_velocities import normal_velocities, obtuse
+from fieldcheck.questions.q06_cell_velocities import (
+    normal_velocities,
+    obtuse,
+    projections,
+    small_at_a_place,
+    triangle,
+)
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -53,6 +59,13 @@ def defect_in_other_units(seed):
     return tuple(Call("defect", (q, normal_velocities(random, q)), "a triangle") for q in corners)
 
 
+@hidden("06.3", "It must hold for data without net outflow too.")
+def defect_of_a_constant_flow(seed):
+    random = np.random.default_rng(seed + 8)
+    corners = [right_angle(random, 1.0), 100 * obtuse(random)]
+    return tuple(Call("defect", (q, projections(q)), "a constant flow") for q in corners)
+
+
 @hidden(
     "06.4",
     "It must hold for right angles, where it is the middle of a side, near them, and if small.",
@@ -63,6 +76,12 @@ def circumcentre_of_a_right_angle(seed):
     return (
         *(Call("circumcenter", (right_angle(random, size),), "a triangle") for size in (1e-2, 1.0)),
         Call("circumcenter", (nearly,), "nearly a right angle"),
+        Call(
+            "circumcenter",
+            (small_at_a_place(random, triangle(random, True), 2.0**-25),),
+            "a tiny triangle",
+            exact=(0,),
+        ),
     )
 
 
@@ -88,6 +107,14 @@ def of_two_cells(seed):
         Call("errors", (points, np.array([[0, 1, 2], [3, 0, 2]]), -1.7), "two cells"),
         Call("errors", (*mesh(random, 6, 6), 0.66), "a mesh of 74 triangles"),
     )
+
+
+@hidden("06.6", "It must hold for a small mesh, which is far from the origin in units of its size.")
+def of_a_small_mesh(seed):
+    random = np.random.default_rng(seed + 9)
+    points, triangles = mesh(random, 2, 2)
+    small = small_at_a_place(random, points, 2.0**-14)
+    return (Call("errors", (small, triangles, -0.9), "a small mesh", exact=(0,)),)
 
 
 @hidden("06.8", "It must hold outside of the triangle too, and at a corner.")

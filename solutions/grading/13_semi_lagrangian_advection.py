@@ -17,6 +17,7 @@ def other_steps(name, seed):
         Call(name, (x, 0.0, 0.4, 0), "a long step"),
         Call(name, (x, 1.4, -0.06, 1), "a step forward after the time 1"),
         Call(name, (0.5 * x, -0.3, 0.06, 2), "a negative time"),
+        Call(name, (0.7 * x[3:], t, 0.08, 1), "two points"),
     )
 
 

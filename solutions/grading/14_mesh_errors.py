@@ -17,9 +17,10 @@ from fieldcheck.questions.q14_mesh_errors import (
     ring,
     sheet,
     shuffled,
+    unjoined,
     without,
 )
-from fieldcheck.questions.q14_mesh_places import copies, thin
+from fieldcheck.questions.q14_mesh_places import copies, crowds, thin
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -31,6 +32,7 @@ def in_the_plane(seed):
         Call("weld", (flat, 0.0075), "points in the plane", exact=(0,)),
         Call("weld", (np.array([[7, 1], [1, 9], [5, 12]]), 5.0), "a distance of 5", exact=(0, 1)),
         Call("weld", (random.normal(size=(1, 3)), 0.1), "one point"),
+        Call("weld", (crowds(random, 1, 3, 2.0), 2.0), "forty points at one place"),
     )
 
 
@@ -181,6 +183,7 @@ def bands(seed):
             random, flipped(random, joined(ring(4, 5), bottle(5, 4)))
         ),
     }
+    seam = shuffled(random, flipped(random, unjoined(3, 7)))
     long = {
         "a long band": long_strip(random, *CLOSED),
         "a long Möbius strip": long_strip(random, *TWISTED),
@@ -194,6 +197,7 @@ def bands(seed):
             "three surfaces that share a vertex",
         ),
         Call("turns", (random.normal(size=(4, 3)), np.array([[1, 0, 2]])), "one triangle"),
+        Call("turns", seam, "a strip with equal points at both ends", exact=(0,)),
         *(
             Call(
                 "turns",

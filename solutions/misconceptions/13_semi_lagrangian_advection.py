@@ -28,13 +28,13 @@ def right_feet(x, t, dt, flow):
 def local_weights(sites, y, k, phi=lambda r: r**3, polynomial=True):
     """The numbers of the k nearest sites, and their weights."""
     near = np.argsort(((sites - y) ** 2).sum(axis=1))[:k]
-    z = sites[near]
+    z = sites[near] - y
     a = phi(np.linalg.norm(z[:, None] - z, axis=2))
-    b = phi(np.linalg.norm(z - y, axis=1))
+    b = phi(np.linalg.norm(z, axis=1))
     if polynomial:
         p = np.column_stack([np.ones(k), z])
         a = np.vstack([np.hstack([a, p]), np.hstack([p.T, np.zeros((p.shape[1],) * 2)])])
-        b = np.hstack([b, 1, y])
+        b = np.hstack([b, 1, 0 * y])
     return near, np.linalg.solve(a, b)[:k]
 
 

@@ -32,8 +32,10 @@ def moved_far_away(calls: Sequence[Call], cases: Sequence[str]) -> tuple[Call, .
 
 
 def tolerance_far_away(call: Call) -> float:
-    """Return the tolerance of a circumcentre relative to its simplex."""
-    return STORED_DIGITS_FAR_AWAY if np.abs(corners(call)).max() > FAR / 2 else LEAST_TOLERANCE
+    """Return the tolerance of a circumcentre relative to its simplex, which may be small."""
+    q = corners(call)
+    far = np.abs(q).max() > FAR / 2 * min(1.0, np.ptp(q, axis=0).max())
+    return STORED_DIGITS_FAR_AWAY if far else LEAST_TOLERANCE
 
 
 def relative_to_a_corner(call: Call, values: Values) -> Values:

@@ -67,6 +67,11 @@ def far_away(random: np.random.Generator, *points: np.ndarray) -> tuple[np.ndarr
     return tuple(p + shift for p in points)
 
 
+def two_groups(points: np.ndarray, first: int) -> np.ndarray:
+    """Return points of size one, those after the first few far away from the others."""
+    return points + np.where(np.arange(len(points)) < first, 0.0, FAR)[:, None]
+
+
 # 02.1 The weights
 
 
@@ -120,6 +125,8 @@ def many_or_far(random: np.random.Generator) -> tuple[Call, ...]:
         "weights",
         ((*far_away(random, plane[:7], x), 0.3), "seven points in the plane, far from the origin"),
         ((*far_away(random, space[:5], y), 0.4), "five points in space, far from the origin"),
+        ((two_groups(plane[:7] + x, 4), x, 0.3), "two groups of points, far from each other"),
+        ((two_groups(space[:5] + y, 2), y, 0.4), "two groups of points in space"),
     )
     return calls_of(
         "weights",
@@ -129,6 +136,8 @@ def many_or_far(random: np.random.Generator) -> tuple[Call, ...]:
         ((1e5 * space[:5], 1e5 * y, 3e4), "five points in a cube of 10⁵"),
         ((integers(plane[:7]), integers(x), 90), "seven points and ε, all of them integers"),
         ((integers(space[:5]), integers(y), 180), "five points in space and ε, all integers"),
+        ((integers(plane[:7]), 100 * x, 90.0), "seven points of integers and another point"),
+        ((integers(space[:5]), 100 * y, 180.0), "five points of integers and another point"),
     ) + tuple(replace(call, exact=(0, 1)) for call in far)
 
 
@@ -258,6 +267,13 @@ def many_or_rescaled_fits(random: np.random.Generator) -> tuple[Call, ...]:
         ),
         ((plane[few], np.full(12, v[0]), w[few]), "twelve points of equal values"),
         ((space[other], np.full(15, data[0]), u[other]), "fifteen points of equal values"),
+        *(
+            ((p, data[: len(p)], np.where(np.arange(len(p)) == 2, 3000, 1 + p[:, 0] / 2)), case)
+            for p, case in (
+                (plane[few], "twelve points, one weight two thousand times the others"),
+                (space[other], "fifteen points, one weight two thousand times the others"),
+            )
+        ),
     )
 
 
@@ -355,6 +371,12 @@ def many_or_far_objectives(random: np.random.Generator) -> tuple[Call, ...]:
                 f"{4 * d} points {words}, and all numbers integers",
             ),
             ((p[few], v[few], x, 0.3, 0 * c), f"{4 * d} points {words}, all coefficients zero"),
+        )
+        on_the_plane = np.where(np.arange(4 * d) == 1, c[0] + p[1] @ c[1:], v[few])
+        calls += calls_of(
+            "objective",
+            ((twice(p[few], d), v[: 5 * d], x, 0.3, c), f"{d} of {4 * d} points {words} twice"),
+            ((p[few], on_the_plane, p[1].copy(), 0.01, c), f"{4 * d} points {words}, one fitted"),
         )
         distant, y = far_away(random, p[few], x)
         case = f"{4 * d} points {words}, far from the origin"

@@ -8,7 +8,14 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Question, law, law_of_each, relative
-from fieldcheck.questions.q03_radial_basis_functions import TINY, at_distance_one, cloud, extent
+from fieldcheck.questions.q03_radial_basis_functions import (
+    TINY,
+    at_distance_one,
+    cloud,
+    extent,
+    one_at_the_origin,
+    with_zeros,
+)
 from fieldcheck.variants import one_changed
 
 # 03.5 The signs of the eigenvalues
@@ -62,6 +69,8 @@ def few_or_many(random: np.random.Generator) -> tuple[Call, ...]:
         (cloud(random, 45, 3), "forty-five points in space"),
         (50 * cloud(random, 9, 2), "nine points in a square of 50"),
         (30 * cloud(random, 8, 3), "eight points in a cube of 30"),
+        (one_at_the_origin(cloud(random, 7, 2)), "seven points in the plane, one at the origin"),
+        (one_at_the_origin(cloud(random, 8, 3)), "eight points in space, one at the origin"),
     )
     plane, direction = cloud(random, 6, 2), random.normal(size=3)
     exact = (
@@ -166,6 +175,9 @@ def affine_or_rescaled(random: np.random.Generator) -> tuple[Call, ...]:
         ((5000 * few, v[9:18]), "nine points in a square of 5000"),
         ((points, v), "forty-three points"),
         ((points[:41], v[2:]), "forty-one points"),
+        ((few, with_zeros(v[:9], 0, 5)), "nine values, two of them zero"),
+        ((few, with_zeros(integers(v[9:18], 9), 7)), "nine integers, one of them zero"),
+        ((one_at_the_origin(few), v[:9]), "nine points, one of them the origin"),
     )
 
 

@@ -6,13 +6,12 @@ The laws need the kernel. They compute it as the derivative of s^t at t = 1, by 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from math import ceil
 
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
-from fieldcheck.question import Law, Question, law, law_of_each, relative
+from fieldcheck.question import Law, Question, law_of_each, relative
 from fieldcheck.variants import one_changed
 
 STEP = 1e-30
@@ -73,6 +72,16 @@ def far_away(random: np.random.Generator, *points: np.ndarray) -> tuple[np.ndarr
     """Return points of size one, all moved by the same random vector, far away from the origin."""
     shift = FAR * random.uniform(1, 3, points[0].shape[-1])
     return tuple(p + shift for p in points)
+
+
+def one_at_the_origin(points: np.ndarray) -> np.ndarray:
+    """Return the points with the third one moved to the origin."""
+    return np.where(np.arange(len(points))[:, np.newaxis] == 2, 0.0, points)
+
+
+def with_zeros(values: np.ndarray, *where: int) -> np.ndarray:
+    """Return the values with zeros at these positions."""
+    return np.where(np.isin(np.arange(len(values)), where), 0, values)
 
 
 def extent(points: np.ndarray) -> float:
@@ -184,6 +193,8 @@ def few_or_far(random: np.random.Generator) -> tuple[Call, ...]:
         (random.random((1, 3)), "one point of space"),
         (1e5 * cloud(random, 5, 2), "five points in a square of 10⁵"),
         (1e5 * cloud(random, 6, 3), "six points in a cube of 10⁵"),
+        (one_at_the_origin(cloud(random, 6, 2)), "six points in the plane, one of them the origin"),
+        (one_at_the_origin(cloud(random, 7, 3)), "seven points in space, one of them the origin"),
     )
     far = (
         (far_away(random, cloud(random, 5, 2)), "five points in the plane, far from the origin"),
@@ -296,6 +307,14 @@ def few_or_rescaled(random: np.random.Generator) -> tuple[Call, ...]:
         ((50 * plane, v[:12]), "twelve points in a square of 50"),
         ((30 * space, data), "ten points in a cube of 30"),
         ((cloud(random, 43, 2), v), "forty-three points in the plane"),
+        ((plane, np.full(12, v[0])), "twelve equal values in the plane"),
+        ((space, np.full(10, v[1])), "ten equal values in space"),
+        ((plane, np.full(12, round(9 * v[2]))), "twelve equal values that are integers"),
+        ((plane, with_zeros(v[:12], 3, 8)), "twelve values in the plane, two of them zero"),
+        ((space, with_zeros(data, 4)), "ten values in space, one of them zero"),
+        ((plane, with_zeros(integers(v[:12], 9), 0, 1)), "twelve integers, the first two zero"),
+        ((triangle, with_zeros(v[:3], 1)), "three points in the plane, one value zero"),
+        ((one_at_the_origin(plane), v[12:24]), "twelve points in the plane, one at the origin"),
     )
 
 
@@ -330,158 +349,6 @@ def has_no_moments(call: Call, values: Values) -> float:
     return relative([lam.sum(), *call.arguments[0].T.dot(lam)], size)
 
 
-# 03.4 and 03.6 The field and its gradient
-
-
-def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
-    """Return coefficients and evaluation points, some of which are sites."""
-    random = np.random.default_rng(seed)
-    cases = (
-        (8, 2, 5, "points in the plane, two of them centres"),
-        (6, 3, 4, "points in space, two of them centres"),
-    )
-    calls = []
-    for n, d, m, case in cases:
-        points = cloud(random, n, d)
-        x = np.concatenate([random.uniform(-1, 2, (m, d)), points[1:3]])
-        x[0, 0], x[1, -1] = points[0, 0], points[3, -1]
-        x[2] *= 10  # a point far from all centres
-        calls.append(
-            Call(name, (points, random.normal(size=n), random.normal(size=d + 1), x), case, (0, 3))
-        )
-    for call in tuple(calls):
-        points, lam, c, x = call.arguments
-        whole = integers(points, 100), lam, c, integers(x, 100)
-        calls.append(Call(name, whole, f"{call.case}, integers", (0, 3)))
-    return tuple(calls)
-
-
-def single_evaluations(name: str, seed: int) -> tuple[Call, ...]:
-    """Return one evaluation point on the line, in the plane and in space, the same with one
-    argument changed, and with a tiny field.
-    """
-    random = np.random.default_rng(seed + 1)
-    calls: list[Call] = []
-    for n, d, words in ((5, 1, "on the line"), (7, 2, "in the plane"), (6, 3, "in space")):
-        points, lam, c = cloud(random, n, d), random.normal(size=n), random.normal(size=d + 1)
-        one = Call(name, (points, lam, c, random.random((1, d))), f"one evaluation point {words}")
-        tiny = points, TINY * lam, TINY * c, random.random((3, d))
-        others = one_changed(
-            one,
-            ("other centres", cloud(random, n, d)),
-            ("other λ", random.normal(size=n)),
-            ("another c", random.normal(size=d + 1)),
-            ("another evaluation point", random.random((1, d))),
-        )
-        calls += [one, Call(name, tiny, f"coefficients of size 10⁻¹⁰ {words}"), *others]
-    return tuple(calls)
-
-
-def many_or_far(name: str, seed: int) -> tuple[Call, ...]:
-    """Return many centres and evaluation points, one centre, other units, points far from the
-    origin, zero coefficients, and coefficients that are integers.
-    """
-    random = np.random.default_rng(seed + 2)
-    calls: list[Call] = []
-    for n, d, words in ((43, 2, "in the plane"), (45, 3, "in space")):
-        points, x = cloud(random, n, d), random.random((3, d))
-        lam, c, few = random.normal(size=n), random.normal(size=d + 1), slice(3 * d)
-        number = {43: "forty-three", 45: "forty-five"}[n]
-        calls += calls_of(
-            name,
-            ((points, lam, c, x), f"{number} centres {words}"),
-            ((points[:1], lam[:1], c, x), f"one centre {words}"),
-            ((points[:2], lam[:2], c, x), f"two centres {words}"),
-            *(
-                (
-                    (
-                        unit * points[few],
-                        lam[few] / unit**2,
-                        np.append(c[:1], c[1:] / unit),
-                        unit * x,
-                    ),
-                    f"{3 * d} centres {words}, all lengths multiplied by {factor}",
-                )
-                for unit, factor in ((1e-5, "10⁻⁵"), (1e5, "10⁵"))
-            ),
-            ((points[few], 0 * lam[few], c, x), f"{3 * d} centres {words}, all λ zero"),
-            (
-                (integers(points[few]), integers(lam[few], 9), integers(c, 9), integers(x)),
-                f"{3 * d} centres {words}, all numbers integers",
-            ),
-        )
-        far = calls_of(
-            name,
-            ((points[few], lam[few], 0 * c, x), f"{3 * d} centres {words}, far away and c zero"),
-        )
-        calls += [
-            replace(call, arguments=(p, *call.arguments[1:3], y), exact=(0, 3))
-            for call in far
-            for p, y in (far_away(random, call.arguments[0], call.arguments[3]),)
-        ]
-    line = cloud(random, 9, 1), random.normal(size=9), random.normal(size=2)
-    case = "sixty-nine evaluation points on the line"
-    return (*calls, Call(name, (*line, random.random((69, 1))), case))
-
-
-@law("The field must be an affine function plus λ_j times the kernel at each centre.")
-def is_a_sum_of_basis_functions(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the deviation of the values from those of the field."""
-    return max(relative(v - field(*c.arguments), v) for c, (v,) in zip(calls, values, strict=True))
-
-
-def evaluate_inputs(seed: int) -> tuple[Call, ...]:
-    """Return several evaluation points, one of them, and many of them."""
-    return tuple(
-        call
-        for inputs in (field_inputs, single_evaluations, many_or_far)
-        for call in inputs("evaluate", seed)
-    )
-
-
-UNIT = 1e-3
-
-
-def gradient_inputs(seed: int) -> tuple[Call, ...]:
-    """Return the inputs of the field, the same fields with all lengths in another unit, and both
-    with a large constant, from which difference quotients lose their digits.
-    """
-    calls = field_inputs("gradient", seed)
-    scaled, raised = [], []
-    for call in calls:
-        points, lam, c, x = call.arguments
-        for unit, name in ((UNIT, "a thousandth"), (UNIT**3, "a billionth")):
-            slopes = np.append(c[:1], c[1:] / unit)
-            case = f"{call.case}, all lengths {name}"
-            scaled.append(
-                Call("gradient", (unit * points, lam / unit**2, slopes, unit * x), case, (0, 3))
-            )
-        high = c + 1e4 * (np.arange(c.size) == 0)
-        case = call.case + ", a field larger by 10000"
-        raised.append(Call("gradient", (points, lam, high, x), case, (0, 3)))
-    return (
-        *calls,
-        *scaled,
-        *raised,
-        *single_evaluations("gradient", seed),
-        *many_or_far("gradient", seed),
-    )
-
-
-@law("For a small step the change of the field must be the gradient times the step.", 1e-5)
-def agrees_with_central_differences(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the largest difference between the gradient and central differences."""
-    worst = 0.0
-    for call, (g,) in zip(calls, values, strict=True):
-        points, lam, c, x = call.arguments
-        n, d = x.shape
-        h = 1e-5 * extent(points if len(points) > 1 else x)
-        steps = h * np.stack([np.eye(d), -np.eye(d)])[:, :, None]
-        ahead, behind = field(points, lam, c, (x + steps).reshape(-1, d)).reshape(2, d, n)
-        worst = max(worst, relative(g.T - (ahead - behind) / (2 * h), g))
-    return worst
-
-
 QUESTIONS = (
     Question(
         "03.1",
@@ -511,21 +378,5 @@ QUESTIONS = (
         coefficients_shapes,
         (has_no_moments, interpolates_the_values),
         normal_form=nothing_for_rounding,
-    ),
-    Question(
-        "03.4",
-        "evaluate",
-        2,
-        evaluate_inputs,
-        lambda call: ((len(call.arguments[3]),),),
-        (is_a_sum_of_basis_functions,),
-    ),
-    Question(
-        "03.6",
-        "gradient",
-        3,
-        gradient_inputs,
-        lambda call: (call.arguments[3].shape,),
-        (agrees_with_central_differences,),
     ),
 )

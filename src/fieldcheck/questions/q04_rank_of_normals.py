@@ -63,6 +63,7 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
     plane, space = cloud(random, 7, 2), cloud(random, 5, 3)
     on_the_axes = plane * np.where(np.arange(7)[:, None] == [1, 4], 0, 1)
     at_the_origin = space * np.where(np.arange(5) == 2, 0, 1)[:, None]
+    again = [3, 0, 5, 0, 2, 5]
     return calls_of(
         "velocity_matrix",
         ((plane, directions(random, 7)), "seven samples in the plane"),
@@ -85,6 +86,8 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
         ((at_the_origin, sphere(random, 5)), "five samples in space, one at the origin"),
         ((cloud(random, 67, 2), directions(random, 67)), "sixty-seven samples in the plane"),
         ((integers(plane), along_axes(random, 7, 2)), "seven samples, points and normals integers"),
+        ((plane[again], directions(random, 7)[again]), "four samples, two of them twice"),
+        ((space[[1, 0, 1]], sphere(random, 3)[[1, 0, 1]]), "two samples in space, one twice"),
     )
 
 
@@ -322,6 +325,7 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     seven, five = cloud(random, 7, 2), cloud(random, 5, 2)
     down, up = random.uniform(1, 4, (2, 2)) * [[1, -1], [-1, 1]]
+    uneven = np.array([1, 1e-9, 1, 1e-12, 1e3])
     return calls_of(
         "crossing_normals",
         ((seven - [1.1, 0.0], flow(random)), "seven points"),
@@ -341,6 +345,17 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((integers(five[:1] - 0.5), flow(random)), "one point, integers"),
         ((seven, random.integers(1, 9, 6)), "seven points, coefficients of integers"),
         ((cloud(random, 67, 2) - [1.1, 0.0], flow(random)), "sixty-seven points"),
+        (
+            (
+                uneven[:, None] * five,
+                np.append(np.zeros(2), random.uniform(1, 2, 4) * [0, 1, -1, 0]),
+            ),
+            "two points near the centre of a vortex",
+        ),
+        (
+            (uneven[:, None] * seven[:5], np.append(np.zeros(2), random.uniform(-2, -1, 4))),
+            "two points near a point at rest",
+        ),
     )
 
 

@@ -174,6 +174,18 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
             )
             for n, number in ((43, "forty-three"), (103, "103"))
         ),
+        (beside_a_line(random, 5), directions(random, 5), "five points up to 10⁻¹¹ from a line"),
+        (
+            np.append(beside_a_line(random, 3), points[:4], axis=0),
+            parallel_except(random, 7, (0, 1, 2)),
+            "parallel normals but for three up to 10⁻¹¹ from a line",
+        ),
+        (1e-5 * spread, directions(random, 7), "seven samples in a square of 10⁻⁵"),
+        (
+            2e-6 * (spread - centre),
+            parallel_except(random, 7, (0, 1, 2)),
+            "parallel normals but for three in a square of 10⁻⁶",
+        ),
     )
     return (
         *(Call("obvious", (p, n), case) for p, n, case in cases),
@@ -185,7 +197,17 @@ HOLDS = (
     *(1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 1, 0, 0, 1),
     *(0, 1, 0, 1, 1, 1, 1, 1, 0, 0, 1, 1, 0, 0, 0, 1),
     *(0, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 0, 1, 1),
+    *(0, 0, 1, 1),
 )
+
+
+def beside_a_line(random: np.random.Generator, n: int) -> np.ndarray:
+    """Return points at distances of up to 10⁻¹¹ from a line."""
+    along = directions(random, 1)[0]
+    across = 1e-11 * random.choice([-1, 1], n) * random.uniform(0.5, 1, n)
+    return np.outer(np.arange(n) + random.random(n) / 2, along) + np.outer(
+        across, [-along[1], along[0]]
+    )
 
 
 def nearly_parallel(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -80,7 +81,21 @@ def edges_inputs(seed: int) -> tuple[Call, ...]:
             "four triangles, all vertex numbers beyond 1000",
         ),
         ((part_of_a_mesh(random, 0, 100),), "four triangles, one vertex number beyond 100"),
+        ((random.permutation(RING),), "six triangles around a hole"),
+        ((with_a_hole(mesh(random, 4, 3)[1]),), "a mesh with a hole"),
+        ((np.array([[2, 0, 4], [1, 5, 3]]),), "two separate triangles"),
     )
+
+
+RING = np.array([[0, 1, 3], [4, 3, 1], [1, 2, 4], [5, 4, 2], [2, 0, 5], [3, 5, 0]])
+
+
+def with_a_hole(triangles: np.ndarray) -> np.ndarray:
+    """Return a mesh without one of the triangles that have no side on the boundary."""
+    sides_of = [[frozenset((t[k], t[k - 1])) for k in range(3)] for t in triangles.tolist()]
+    count = Counter(side for three in sides_of for side in three)
+    inner = [all(count[side] == 2 for side in three) for three in sides_of]
+    return np.delete(triangles, inner.index(True), axis=0)
 
 
 def part_of_a_mesh(random: np.random.Generator, first: int, base: int = 4) -> np.ndarray:

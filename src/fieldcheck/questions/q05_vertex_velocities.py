@@ -266,6 +266,12 @@ def nearly(random: np.random.Generator, points: np.ndarray) -> np.ndarray:
     return points + 5e-3 * random.uniform(-1, 1, points.shape)
 
 
+def with_a_tiny_part(random: np.random.Generator, size: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a mesh in two parts, one of them small."""
+    (p, one), (q, two) = mesh(random, 3, 2), mesh(random, 2, 2)
+    return np.append(p, size * q + [1.5, -0.5], axis=0), np.append(one, two + len(p), axis=0)
+
+
 def ranks_inputs(seed: int) -> tuple[Call, ...]:
     """Return a mesh with one and two rings, far from the origin, in small units; regular grids."""
     random = np.random.default_rng(seed)
@@ -291,6 +297,8 @@ def ranks_inputs(seed: int) -> tuple[Call, ...]:
             ((integers(points, 1e4), triangles, 1), "a mesh of integers"),
             ((1e8 * points, triangles, 1), "the same mesh in a square of 10⁸"),
             ((*mesh(random, 7, 6), 1), "a mesh of eighty-six triangles"),
+            ((*with_a_tiny_part(random, 1e-5), 1), "a mesh and a tiny one beside it"),
+            ((*with_a_tiny_part(random, 1e-4), 2), "two rings of a mesh and of a tiny one"),
         ),
         Call("ranks", (regular.astype(int), squares, 1), "a regular grid of integers", (0,)),
         Call(

@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values
+from fieldcheck.calls import Call, Values, integers
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q05_edges import in_short_binary_numbers
+from fieldcheck.questions.q07_triangles import beside_the_origin
 from fieldcheck.questions.q07_voronoi_coordinates import (
     INTEGERS,
     ONE,
@@ -21,6 +22,7 @@ from fieldcheck.questions.q07_voronoi_coordinates import (
     points_inside,
     points_outside,
     star,
+    with_their_vertices,
 )
 
 
@@ -97,6 +99,7 @@ def safe_inputs(seed: int) -> tuple[Call, ...]:
             name, (1e3 * center, 1e3 * rim, 1e3 * x), "four points inside a cell of the size 1000"
         ),
         *more_cells(random, (center, rim, corners), x),
+        *special_cells(random),
     )
 
 
@@ -124,6 +127,24 @@ def more_cells(random: np.random.Generator, first: Star, x: np.ndarray) -> Itera
     ):
         center, rim, corners = star(random, n)
         yield Call(name, (center, rim, points_inside(random, center, corners, m)), case)
+
+
+def special_cells(random: np.random.Generator) -> Iterator[Call]:
+    """Yield vertices among the points, cells of odd integers, and small cells."""
+    name = "safe_coordinates"
+    for (center, rim, _), x, case in with_their_vertices(random):
+        yield Call(name, (center, rim, x), case)
+    for n in (6, 5):
+        center, rim, corners = star(random, n)
+        x = integers(points_inside(random, center, corners, 3))
+        middle, whole = (300 * center, integers(rim)) if n == 6 else (integers(center), 300 * rim)
+        parts = "neighbours" if n == 6 else "a vertex"
+        yield Call(name, (middle, whole, x), f"{parts} and three points in arrays of integers")
+    for n, words in ((4, "four"), (5, "five")):
+        center, rim, corners = star(random, n)
+        x = points_inside(random, center, corners, 3)
+        case = f"{words} neighbours in a cell of the size 10⁻⁸, beside the origin"
+        yield Call(name, beside_the_origin(random, center, rim, x), case, exact=(0, 1, 2))
 
 
 def far_from_the_origin(random: np.random.Generator) -> Iterator[Call]:

@@ -80,6 +80,37 @@ def has_equal_sides(call: Call, values: Values) -> float:
 # 07.2 and 07.3 Circumcentre and area
 
 
+TINY, SMALL = 2.0**-27, 2.0**-17
+SIZES = {TINY: "10⁻⁸", SMALL: "10⁻⁵"}
+
+
+def beside_the_origin(
+    random: np.random.Generator, *parts: np.ndarray, size: float = TINY
+) -> tuple[np.ndarray, ...]:
+    """Return points shrunk to a size, in a place that is nearer to the origin than to other
+    integers.
+
+    They are rounded before, so that their differences are exact.
+    """
+    signs = random.choice([-1.0, 1.0], parts[0].size)
+    place = in_short_binary_numbers(signs * random.uniform(0.3, 0.45, parts[0].size))
+    return tuple(place + size * in_short_binary_numbers(part - parts[0]) for part in parts)
+
+
+def small_simplices(name: str, seed: int, *calls: Call, size: float = TINY) -> tuple[Call, ...]:
+    """Return the simplices of calls, much smaller than their distance from the origin."""
+    random = np.random.default_rng(seed + 2)
+    return tuple(
+        Call(
+            name,
+            beside_the_origin(random, *call.arguments, size=size),
+            f"{call.case}, the size {SIZES[size]}, beside the origin",
+            exact=tuple(range(len(call.arguments))),
+        )
+        for call in calls
+    )
+
+
 def triangles(name: str, seed: int) -> tuple[Call, ...]:
     """Return a triangle, the same with two corners exchanged, half of it, and others.
 
@@ -123,7 +154,7 @@ def triangles(name: str, seed: int) -> tuple[Call, ...]:
 
 
 def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
-    """Return the triangles, two of them far from the origin, and two of them made thin."""
+    """Return the triangles, two of them far from the origin, two made thin, and two small."""
     near = triangles("circumcenter", seed)
     flat, narrow = (
         [part * scale for part in near[3].arguments] for scale in ([1, 0.02], [0.02, 1])
@@ -134,13 +165,14 @@ def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
         (tuple(narrow), "a narrow triangle"),
     )
     cases = ("the first triangle, far from the origin", "an obtuse triangle far from the origin")
-    return near + moved_far_away((near[0], near[3]), cases) + thin
+    small = small_simplices("circumcenter", seed, near[0], near[3])
+    return near + moved_far_away((near[0], near[3]), cases) + thin + small
 
 
 def area_inputs(seed: int) -> tuple[Call, ...]:
-    """Return the triangles, two needles, and two of the triangles far from the origin.
+    """Return the triangles, two needles, two of the triangles far from the origin, and two small.
 
-    The coordinates of the last four are rounded, so that their differences are exact.
+    The coordinates of the last six are rounded, so that their differences are exact.
     """
     near = triangles("area", seed)
     random = np.random.default_rng(seed + 1)
@@ -160,10 +192,11 @@ def area_inputs(seed: int) -> tuple[Call, ...]:
         "an obtuse triangle, 10⁴ away",
     )
     corners = (needles[0], needles[1][[2, 0, 1]], *moved)
-    return near + tuple(
+    exact = tuple(
         Call("area", tuple(three), case, exact=(0, 1, 2))
         for three, case in zip(corners, cases, strict=True)
     )
+    return near + exact + small_simplices("area", seed, near[0], near[3], size=SMALL)
 
 
 AREA_IS_HALVED = Law(

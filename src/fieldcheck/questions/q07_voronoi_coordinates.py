@@ -135,6 +135,16 @@ def enlarged(cell: Star) -> Star:
     return center, rim, corners
 
 
+def with_a_vertex_in_view(random: np.random.Generator, n: int) -> Star:
+    """Return a star whose vertex has no direction to a corner that is perpendicular to a spoke; see
+    `point_for_weights`.
+    """
+    while True:
+        cell = star(random, n)
+        if least_cosine(cell[0], *cell) > LEAST_COSINE:
+            return cell
+
+
 def reproduction_error(omega: np.ndarray, corners: np.ndarray, x: np.ndarray) -> float:
     """Return the difference between the weighted mean of the corners and the evaluation point."""
     return relative(omega @ corners - x, corners - x.mean(axis=0))
@@ -179,6 +189,11 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         calls.append(Call("weights", larger, f"{call.case}, the same point in a larger cell"))
     many = star(random, 43)
     calls.append(Call("weights", (*many, point_for_weights(random, *many)), "43 neighbours"))
+    for n, words in ((6, "six"), (5, "five")):
+        cell = with_a_vertex_in_view(random, n)
+        calls.append(
+            Call("weights", (*cell, cell[0].copy()), f"the vertex among {words} neighbours")
+        )
     return tuple(calls)
 
 
@@ -253,7 +268,21 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
         center, rim, corners = star(random, n)
         inside = points_inside(random, center, corners, m)
         calls.append(Call("coordinates", (center, rim, corners, inside), case))
+    for call in (calls[0], calls[4]):
+        tiny = tuple(1e-9 * part for part in call.arguments)
+        calls.append(Call("coordinates", tiny, f"{call.case}, of the size 10⁻⁹"))
+    for cell, x, words in with_their_vertices(random):
+        calls.append(Call("coordinates", (*cell, x), words))
     return tuple(calls)
+
+
+def with_their_vertices(random: np.random.Generator) -> Iterator[tuple[Star, np.ndarray, str]]:
+    """Yield cells, points inside, of which one is the vertex, and words."""
+    for n, k, words in ((6, 0, "six"), (5, 2, "five")):
+        cell = with_a_vertex_in_view(random, n)
+        x = points_inside(random, cell[0], cell[2], 3)
+        x[k] = cell[0]
+        yield cell, x, f"the vertex and two points in a cell of {words} neighbours"
 
 
 def sums_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
@@ -396,6 +425,8 @@ def interpolate_inputs(seed: int) -> tuple[Call, ...]:
         center, rim, corners = star(random, n)
         x = points_inside(random, center, corners, m)
         calls.append(Call("interpolate", (center, rim, corners, random.normal(size=n), x), case))
+    for cell, x, case in with_their_vertices(random):
+        calls.append(Call("interpolate", (*cell, random.normal(size=len(cell[1])), x), case))
     return tuple(calls)
 
 

@@ -202,6 +202,7 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
         *calls,
         Call("interpolate", (sites, heights, 3, 1, x), "ten points of integers"),
         *more_fields(random, calls[0], calls[1]),
+        *stars(random),
     )
 
 
@@ -240,6 +241,24 @@ def more_fields(random: np.random.Generator, *calls: Call) -> Iterator[Call]:
         yield Call(
             name, (points, random.normal(size=n), 1, 0, x), f"{case}, k = 1 and the degree 0"
         )
+
+
+def stars(random: np.random.Generator) -> Iterator[Call]:
+    """Yield points around another one, whose row of A is zero because log 1 is.
+
+    The matrix of the whole system is regular.
+    """
+    star = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    for n, k, degree, words in (
+        (3, 2, 0, "two"),
+        (4, 2, 1, "three"),
+        (5, 2, 1, "four"),
+        (4, 4, 1, "three"),
+    ):
+        points = random.permutation(star[:n]) + random.integers(-3, 4, 2)
+        x = np.concatenate([points[0] + random.uniform(-2, 2, (24, 2)), points])
+        case = f"{words} points at the distance 1 from another one, k = {k} and the degree {degree}"
+        yield Call("interpolate", (points, random.normal(size=n), k, degree, x), case, exact=(0,))
 
 
 @law("The field must go through the values.", 1e-8)

@@ -15,7 +15,9 @@ from fieldcheck.questions.q09_kernels import ridges
 
 
 def monomials_inputs(seed: int) -> tuple[Call, ...]:
-    """Return points, one of them (1, 1), the same scaled, and degrees down to −1."""
+    """Return points, one of them (1, 1), the same scaled, degrees down to −1, and points where
+    monomials are equal or zero.
+    """
     random = np.random.default_rng(seed)
     points = random.normal(size=(7, 2))
     points[4] = 1
@@ -40,7 +42,22 @@ def monomials_inputs(seed: int) -> tuple[Call, ...]:
         (1e6 * random.normal(size=(4, 2)), 1, "four points in a box of the size 10⁶, degree 1"),
         (random.normal(size=(69, 2)), 1, "69 points and the degree 1"),
     )
-    return tuple(Call("monomials", (p, degree), case) for p, degree, case in cases)
+    return (
+        *(Call("monomials", (p, degree), case) for p, degree, case in cases),
+        *(
+            Call("monomials", (p, degree), case, exact=(0,))
+            for p, degree, case in equal_monomials(random)
+        ),
+    )
+
+
+def equal_monomials(random: np.random.Generator) -> Iterator[tuple[np.ndarray, int, str]]:
+    """Yield points at which some monomials have the same values, or vanish."""
+    corners, lattice = (random.permutation(np.argwhere(np.ones((n, n)))) for n in (2, 3))
+    yield 1.0 * corners, 2, "four points with the coordinates 0 and 1, degree 2"
+    yield lattice[:6] - 1.0, 3, "six points with the coordinates −1, 0 and 1, degree 3"
+    yield random.normal(size=(5, 2)) * [1, 0], 2, "five points on the first axis, degree 2"
+    yield random.normal(size=(4, 2)) * [0, 1], 1, "four points on the second axis, degree 1"
 
 
 def on_the_axes(random: np.random.Generator, n: int) -> np.ndarray:

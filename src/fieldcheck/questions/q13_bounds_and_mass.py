@@ -91,6 +91,10 @@ def bounds_in_other_units(random: np.random.Generator) -> tuple[Call, ...]:
                 (2.0**20, 1e12, "sites 10⁶ apart, and values of about 10¹²"),
             )
         ),
+        *(
+            ((in_square(random, 4), random.normal(size=16), random.uniform(-1, 1, (n, 2))), case)
+            for n, case in ((2, "two feet"), (4, "four feet"), (16, "as many feet as sites"))
+        ),
     )
     far = (
         Call("bounds", (2.0**-8 * p + away, u, 2.0**-8 * y + away), case, exact=(0, 2))
@@ -201,6 +205,7 @@ def mass_inputs(seed: int) -> tuple[Call, ...]:
                 (6, 1, 1e-9, 0.3, "areas of about 10⁻⁹"),
                 (5, 1e9, 1, 0.6, "values of about 10⁹"),
                 (8, 1, 1e9, 0.1, "areas of about 10⁹"),
+                (2, 1, 1, 0.6, "two sites"),
             )
         ),
     )

@@ -65,6 +65,12 @@ def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
         ((in_square(random, 9), t, dt, 2), "81 points in the deformation flow"),
         ((x[:5], 2, 1, 1), "a step from the time 2 to the time 1, both whole numbers"),
         ((0.5 * x[3:], 3, 2, 2), "a step from the time 3 to the time 1, both whole numbers"),
+        *(
+            ((random.uniform(-0.8, 0.8, (2, 2)), t, 2 * dt, flow), f"two points in the {motion}")
+            for flow, motion in ((1, "vortex"), (2, "deformation flow"), (0, "solid rotation"))
+        ),
+        ((x, t, 1.0, 0), "a step of a whole period in the solid rotation"),
+        ((x[:5], t, -1.0, 0), "a step forward, of a whole period, in the solid rotation"),
     )
 
 
@@ -202,6 +208,8 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
                     (2.0**20, line, 1, 4, "sites on a line, at distances of about 10⁵"),
                 )
             ),
+            ((sites, random.uniform(-1, 1, (2, 2)), 8), "two feet in the plane"),
+            ((few, random.uniform(-1, 1, (9, 2)), 7), "as many feet as sites"),
         ),
     )
 
@@ -301,6 +309,15 @@ def advect_inputs(seed: int) -> tuple[Call, ...]:
                 (2, (square, 1e-8 * random.normal(size=16)), "small values, about 10⁻⁸"),
                 (1, (disc, 1e9 * random.normal(size=24)), "large values, about 10⁹"),
                 (2, (square, 1e8 * random.normal(size=16)), "large values, about 10⁸"),
+            )
+        ),
+        *(
+            ((places, random.normal(size=len(places)), step, 5, flow, 8), case)
+            for flow, places, step, case in (
+                (2, square, 0.25, "five steps beyond the time 1 in the deformation flow"),
+                (2, in_square(random, 4), 0.2, "five steps to the time 1 in the deformation flow"),
+                (0, 0.8 * disc, 0.25, "five steps, more than a whole rotation"),
+                (0, disc[:20], 0.2, "five steps, a whole rotation"),
             )
         ),
     )

@@ -86,6 +86,21 @@ def band(twists: int, columns: int = 12) -> Surface:
     return points, net(np.hstack([numbers, first]))
 
 
+def unjoined(twists: int, columns: int) -> Surface:
+    """Return a strip with half twists whose ends meet, but have no common vertices."""
+    points = band(twists, columns)[0].reshape(3, columns, 3)
+    first = points[::-1, :1] if twists % 2 else points[:, :1]
+    return np.hstack([points, first]).reshape(-1, 3), sheet(2, columns)[1]
+
+
+def halves(rings: int, around: int) -> Surface:
+    """Return a sphere cut along a ring into an outward and an inward half."""
+    points, triangles = ball(2 * rings + 1, around)
+    upper = points[triangles].mean(axis=1)[:, 2] > 0
+    lower = triangles[~upper][:, ::-1] + len(points)
+    return np.vstack([points, points]), np.vstack([triangles[upper], lower])
+
+
 def book(pages: int) -> Surface:
     """Return triangles that share one edge, as the pages of a book share its spine."""
     angle = 2 * np.pi * np.arange(pages) / pages
@@ -176,6 +191,23 @@ def large_numbers(random: np.random.Generator) -> dict[str, Surface]:
     }
 
 
+def larger_numbers(random: np.random.Generator) -> dict[str, Surface]:
+    """Return triangles whose vertex numbers differ by 256 or 512, which a byte cannot show."""
+    points, triangles = alike(random, 256)
+    return {
+        "two triangles with numbers below and above 512": alike(random, 512),
+        "two triangles with numbers above 260": (
+            np.vstack([points, points[:260]]),
+            triangles + 260,
+        ),
+    }
+
+
+def few(random: np.random.Generator) -> dict[str, Surface]:
+    """Return a strip of three triangles, as many as a triangle has vertices."""
+    return {"a strip of three triangles": shuffled(random, without(sheet(1, 2), 1))}
+
+
 def hundreds(random: np.random.Generator) -> dict[str, Surface]:
     """Return surfaces of some hundred triangles, each with one hole of three edges."""
     return {
@@ -207,12 +239,15 @@ def edge_surfaces(seed: int) -> dict[str, Surface]:
         "a torus with a triangle listed twice": shuffled(random, repeated(ring(3, 4), 5)),
         **large_numbers(random),
         **hundreds(random),
+        **larger_numbers(random),
+        **few(random),
+        "triangles like three pages of a book": shuffled(random, book(3)),
     }
 
 
 TIMES = (
     *((0, 108), (14, 58), (22, 6, 3, 0, 5), (0, 60), (0, 672), (0, 768)),
-    *((0, 102, 9), (0, 66, 9), (6,), (6,), (3, 204), (3, 204)),
+    *((0, 102, 9), (0, 66, 9), (6,), (6,), (3, 204), (3, 204), (6,), (6,), (5, 4), (6, 0, 3)),
 )
 """The number of sides of these surfaces that belong to an edge of one, two, … triangles."""
 
@@ -270,12 +305,13 @@ def euler_inputs(seed: int) -> tuple[Call, ...]:
         ),
         *(
             Call("euler_characteristic", (triangles,), case)
-            for case, (_, triangles) in (large_numbers(random) | hundreds(random)).items()
+            for surfaces in (large_numbers, hundreds, larger_numbers, few)
+            for case, (_, triangles) in surfaces(random).items()
         ),
     )
 
 
-CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 1, 1, 2, 4, 0, 2, 2, 1, -1)
+CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 1, 1, 2, 4, 0, 2, 2, 1, -1, 2, 2, 1)
 
 
 @law("χ must be that of the surface: 2 for a sphere, 0 for a torus, 1 for a sheet; parts add up.")
@@ -317,12 +353,13 @@ def loop_inputs(seed: int) -> tuple[Call, ...]:
             "a torus of 75 vertices with two holes": without(ring(5, 15), 0, 70),
         }.items()
     }
+    made |= larger_numbers(random) | few(random)
     return tuple(Call("boundary_loops", (len(p), t), case) for case, (p, t) in made.items())
 
 
 LENGTHS = (
     *((14,), (3, 4), (6, 6), (12,), (), (8, 8), (), (3,), (), (40,), (3,)),
-    *((6,), (3,), *4 * ((3, 3),)),
+    *((6,), (3,), *6 * ((3, 3),), (5,)),
 )
 
 
@@ -368,12 +405,21 @@ def fan_inputs(seed: int) -> tuple[Call, ...]:
             "a torus of 35 vertices that touches itself": fused(ring(5, 7), (0, 17)),
         }.items()
     }
+    made |= larger_numbers(random) | few(random)
+    made |= {
+        case: shuffled(random, surface)
+        for case, surface in {
+            "a sphere with 23 triangles at each pole": ball(1, 23),
+            "a sphere with merged poles of 21 triangles each": fused(ball(2, 21), (42, 43)),
+        }.items()
+    }
     return tuple(Call("fans", (len(p), t), case) for case, (p, t) in made.items())
 
 
 FANS = (
     *((2, 20), (4, 33, 0, 1), (3, 18, 1), (3, 46, 1), (3, 15, 1), (2, 6)),
     *((3, 10, 1), (2, 3, 3), (194, 6), (194, 6), (3, 35, 1), (3, 33, 1)),
+    *((606, 6), (610, 6), (1, 5), (0, 25), (1, 42, 1)),
 )
 """The number of vertices of these surfaces with zero fans, one fan, and so on."""
 

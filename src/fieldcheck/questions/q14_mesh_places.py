@@ -12,14 +12,18 @@ from fieldcheck.questions.q14_mesh_errors import (
     Surface,
     ball,
     band,
+    few,
     flipped,
     fused,
+    halves,
     joined,
     large_numbers,
+    larger_numbers,
     ring,
     sheet,
     shuffled,
     sides_by_name,
+    unjoined,
     without,
 )
 
@@ -54,6 +58,12 @@ def chain(random: np.random.Generator, n: int, d: int, tolerance: float) -> np.n
     direction = random.normal(size=d)
     points = np.outer(along, direction / np.sqrt(direction.dot(direction)))
     return points[np.append([0, 1, 2], 3 + random.permutation(n - 3))] + random.normal(size=d)
+
+
+def crowds(random: np.random.Generator, n: int, d: int, tolerance: float) -> np.ndarray:
+    """Return 40 points in n groups, whose points differ by less than the tolerance, shuffled."""
+    groups = 3 * np.eye(n, d)[random.permutation(40) % n]
+    return tolerance * (groups + random.uniform(-0.25, 0.25, (40, d)))
 
 
 BESIDE = np.array([[0.0, 0, 0], [3, 4, 0], [9, 0, 0], [9, 3, 4], [20, 0, 0], [20, 0, 6]])
@@ -95,8 +105,13 @@ def weld_inputs(seed: int) -> tuple[Call, ...]:
                 (9, 2, 1e-12, 0, "points of the plane with near copies, 10⁻¹² apart"),
                 (9, 3, 1e9, 0, "points with near copies, 10⁹ apart"),
                 (10, 2, 1e12, 0, "points of the plane with near copies, 10¹² apart"),
+                (132, 3, 0.1, 0, "264 points with near copies"),
             )
         ),
+        Call("weld", (crowds(random, 3, 3, 0.1), 0.1), "points with a dozen near copies each"),
+        Call("weld", (crowds(random, 2, 2, 1.0), 1.0), "twenty points at each of two places"),
+        Call("weld", (random.normal(size=(3, 3)), 0.1), "three points in space"),
+        Call("weld", (random.normal(size=(2, 2)), 9.0), "two near points in the plane"),
     )
 
 
@@ -165,10 +180,16 @@ def turn_inputs(seed: int) -> tuple[Call, ...]:
         points, triangles = shuffled(random, flipped(random, surface))
         rough = points + random.uniform(-0.05, 0.05, points.shape)
         calls.append(Call("turns", (rough, triangles), case))
-    return tuple(calls)
+    strip = shuffled(random, flipped(random, unjoined(1, 6)))
+    seams = {
+        "a strip with a half twist, whose ends meet without common vertices": strip,
+        "halves of a sphere that meet without common vertices": shuffled(random, halves(1, 5)),
+    }
+    made = larger_numbers(random) | few(random) | seams
+    return (*calls, *(Call("turns", surface, case, exact=(0,)) for case, surface in made.items()))
 
 
-ONE_SIDED = (0, 0, 0, 0, 24, 0, 24, 0, 0, 0, 0, 0, 67)
+ONE_SIDED = (0, 0, 0, 0, 24, 0, 24, 0, 0, 0, 0, 0, 67, 0, 0, 0, 0, 0)
 """The number of triangles of these surfaces that belong to a one-sided part."""
 
 
@@ -315,6 +336,10 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
                 (69, 1e3, "69 triangles in millimetres"),
                 (22, 1e9, "triangles in nanometres"),
                 (22, 1e12, "huge triangles"),
+                (3, 1, "three triangles in metres"),
+                (3, 1e3, "three triangles in millimetres"),
+                (101, 1, "101 triangles in metres"),
+                (97, 1e3, "97 triangles in millimetres"),
             )
         ),
         Call(
@@ -360,10 +385,7 @@ FLAT = (
     FLAT_OF_HEIGHTS,
     (1,),
     (0,),
-    (12 * FLAT_OF_HEIGHTS)[:71],
-    (12 * FLAT_OF_HEIGHTS)[:69],
-    FLAT_OF_HEIGHTS,
-    FLAT_OF_HEIGHTS,
+    *((12 * FLAT_OF_HEIGHTS)[:n] for n in (71, 69, 22, 22, 3, 3, 101, 97)),
     (1, 0, 1, 1),
     (1, 1, 0, 1),
 )
@@ -429,6 +451,11 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
     ):
         some = pairs(random, (19 * THROUGH)[:n])
         calls.append(Call("pierced", tuple(middle + size * p for p in some), case))
+    for chosen, case in (
+        ((0, 1, 8), "three segments and triangles"),
+        ((10, 2, 12), "three other segments and triangles"),
+    ):
+        calls.append(Call("pierced", pairs(random, [THROUGH[k] for k in chosen]), case))
     return tuple(calls)
 
 
@@ -457,6 +484,7 @@ IN_THE_PLANE_OR_NOT = (1, 0, 0, 0, 0, 0, 0, 1)
 GOES_THROUGH = (
     *(*2 * (THROUGH_OR_NOT,), *2 * (IN_THE_PLANE_OR_NOT,), (1,), (0,)),
     *((19 * THROUGH_OR_NOT)[:n] for n in (71, 69, 12, 12, 14, 14, 14)),
+    *((1, 1, 1), (1, 0, 1)),
 )
 
 

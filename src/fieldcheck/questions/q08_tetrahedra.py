@@ -1,0 +1,184 @@
+"""Questions of notebook 08 on one tetrahedron: its volume, circumcentre and normals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.question import Law, Question, law, relative
+from fieldcheck.questions.q05_edges import in_short_binary_numbers
+from fieldcheck.questions.q07_triangles import SMALL, small_simplices
+from fieldcheck.simplices import (
+    is_equally_far,
+    is_halved,
+    moved_far_away,
+    relative_to_a_corner,
+    tolerance_far_away,
+)
+
+
+def moved(points: np.ndarray) -> np.ndarray:
+    """Return rounded points 10⁴ away: their differences are exact."""
+    return in_short_binary_numbers(points) + 2.0**14 * np.array([1, -1, 1])
+
+
+# 08.1 and 08.2 Tetrahedra
+
+
+def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
+    """Return a tetrahedron, the same in another order, half of it, a flat and two small ones."""
+    random = np.random.default_rng(seed)
+    corner = np.array(
+        [[0.0, 0, 0], [2, 0.3, 0.1], [0.7, 1.6, -0.2], [0.6, 0.5, 1.9]]
+    ) + random.uniform(-0.3, 0.3, (4, 3))
+    a, b, c, d = corner + np.array([1.5, -2.5, 0.8])
+    low = (a + 2 * b + 2 * c) / 5 + 0.25 * (d - a)
+    return calls_of(
+        name,
+        ((a, b, c, d), "a tetrahedron"),
+        ((a, c, b, d), "the same tetrahedron, listed the other way round"),
+        ((a, b, c, (c + d) / 2), "half of the tetrahedron"),
+        ((b, a, c, low), "a flat tetrahedron, listed the other way round"),
+        (tuple(1e-4 * p for p in (a, c, b, d)), "a tetrahedron of the size 10⁻⁴"),
+        (tuple(integers(p) for p in (a, b, c, d)), "a tetrahedron of integers"),
+        (tuple(integers(p, 200) for p in (a, c, b, d)), "another tetrahedron of integers"),
+        (tuple(2.0**-34 * p for p in (a, b, c, d)), "a tetrahedron of the size 10⁻¹⁰"),
+        (tuple(1e5 * p for p in (a, b, c, d)), "a tetrahedron of the size 10⁵"),
+        (tuple(1e5 * p for p in (b, a, c, low)), "a flat tetrahedron of the size 10⁵"),
+        ((a, b, 1.2 * a - 0.2 * b + 0.3 * (c - a), d), "an obtuse angle at a"),
+        ((a, 1.3 * a - 0.3 * d + 0.4 * (b - a), c, d), "another obtuse angle at a"),
+    )
+
+
+def volume_inputs(seed: int) -> tuple[Call, ...]:
+    """Return the tetrahedra, two slivers, two of the tetrahedra far from the origin, and two small
+    ones.
+    """
+    near = tetrahedra("volume", seed)
+    random = np.random.default_rng(seed + 1)
+    calls = []
+    for order, case in (((0, 1, 2, 3), "a sliver"), ((3, 1, 0, 2), "another sliver")):
+        three = np.array([[0, 0, 0], [1, 0, 0.4], [0.3, 1, 0]]) + random.uniform(0, 0.3, (3, 3))
+        above = 1e-5 * random.uniform(1, 2, 3) * [-1, -1, 1]
+        four = in_short_binary_numbers(np.vstack([three, random.dirichlet([9, 9, 9]) @ three]))
+        four[3] += in_short_binary_numbers(above)
+        calls.append(Call("volume", tuple(four[list(order)]), case, exact=(0, 1, 2, 3)))
+    for call, case in (
+        (near[0], "the first tetrahedron, 10⁴ away"),
+        (near[3], "a flat tetrahedron, 10⁴ away"),
+    ):
+        far = tuple(moved(corner) for corner in call.arguments)
+        calls.append(Call("volume", far, case, exact=(0, 1, 2, 3)))
+    return near + tuple(calls) + small_simplices("volume", seed, near[0], near[3], size=SMALL)
+
+
+VOLUME_IS_HALVED = Law(
+    "A volume must be positive and must not depend on the order of the corners. A plane through "
+    "one edge and the middle of the opposite edge must cut it in half.",
+    is_halved,
+)
+
+
+def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
+    """Return the tetrahedra, two of them far from the origin, two in layers, and two small ones."""
+    near = tetrahedra("circumcenter", seed)
+    cases = ("the first tetrahedron, far from the origin", "a flat tetrahedron, far away")
+    layers = calls_of(
+        "circumcenter",
+        *(
+            (tuple(p * scale for p in near[0].arguments), f"a tetrahedron in a thin layer, {words}")
+            for scale, words in (([1, 1, 0.02], "lying"), ([0.02, 1, 1], "upright"))
+        ),
+    )
+    small = small_simplices("circumcenter", seed, near[0], near[3])
+    return near + moved_far_away((near[0], near[3]), cases) + layers + small
+
+
+# 08.4 The volume of the normals
+
+
+def normals_inputs(seed: int) -> tuple[Call, ...]:
+    """Return three edges, the same longer and in another order, perpendicular edges, tips in arrays
+    of integers, and short edges.
+    """
+    random = np.random.default_rng(seed)
+    center = random.normal(size=3)
+    edges = np.array([[1.4, 0.2, 0.1], [0.3, 0.9, -0.2], [0.2, 0.4, 1.7]]) + random.uniform(
+        -0.15, 0.15, (3, 3)
+    )
+    frame = np.linalg.qr(random.normal(size=(3, 3)))[0]
+    frame = -np.sign(np.linalg.det(frame)) * frame
+    name = "volume_of_normals"
+    obtuse = edges * [[1], [1], [-1]]
+    calls = calls_of(
+        name,
+        ((center, center + edges), "a tetrahedron"),
+        (
+            (-center, np.array([[2.0], [0.5], [1.5]]) * edges - center),
+            "the same directions elsewhere, other lengths",
+        ),
+        ((center, center + edges[[1, 0, 2]]), "the same tips in another order"),
+        (
+            (-center, random.uniform(1, 2, (3, 1)) * frame - center),
+            "perpendicular edges, left-handed",
+        ),
+        ((center, integers(edges)), "tips in an array of integers"),
+        ((-center, integers(edges[[2, 0, 1]], 7)), "tips in an array of small integers"),
+        ((2.0**-34 * center, 2.0**-34 * (center + edges)), "a tetrahedron of the size 10⁻¹⁰"),
+        ((center, center + obtuse), "obtuse angles"),
+        ((-center, obtuse[[2, 0, 1]] - center), "obtuse angles elsewhere"),
+        ((2.0**-30 * center, 2.0**-30 * (center + obtuse)), "obtuse angles, the size 10⁻⁹"),
+        ((2.0**30 * center, 2.0**30 * (center + edges)), "a tetrahedron of the size 10⁹"),
+        ((1e6 * center, 1e6 * (center + obtuse)), "obtuse angles, the size 10⁶"),
+        ((random.integers(-9, 10, 3), 20 * edges), "a vertex in an array of integers"),
+        ((random.integers(-9, 10, 3), 30 * obtuse), "a vertex of integers, obtuse angles"),
+    )
+    away = tuple(
+        Call(name, (moved(center), moved(center + part)), f"{words}, 10⁴ away", exact=(0, 1))
+        for part, words in ((edges, "a tetrahedron"), (obtuse, "obtuse angles"))
+    )
+    small = small_simplices(name, seed, calls[0], calls[7])
+    return calls + away + small
+
+
+@law(
+    "The volume must not depend on the lengths of the edges nor on their order, and perpendicular "
+    "normals must span the volume one."
+)
+def depends_on_directions(_: Sequence[Call], values: Sequence[Values]) -> float:
+    """Return the effect of lengths and order, and the deviation from one if perpendicular."""
+    here, longer, turned, one = (float(v) for (v,) in values[:4])
+    return max(relative(longer - here, here), relative(turned - here, here), abs(one - 1))
+
+
+QUESTIONS = (
+    Question(
+        "08.1",
+        "volume",
+        1,
+        volume_inputs,
+        lambda _: ((),),
+        (VOLUME_IS_HALVED,),
+    ),
+    Question(
+        "08.2",
+        "circumcenter",
+        2,
+        circumcenter_inputs,
+        lambda _: ((3,),),
+        (is_equally_far,),
+        tolerance_far_away,
+        relative_to_a_corner,
+    ),
+    Question(
+        "08.4",
+        "volume_of_normals",
+        2,
+        normals_inputs,
+        lambda _: ((),),
+        (depends_on_directions,),
+        may_call=("08.1", "08.2"),
+    ),
+)
