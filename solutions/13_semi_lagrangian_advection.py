@@ -430,7 +430,7 @@ def step_matrix(sites, feet, k):
     for i, y in enumerate(feet):
         r = np.linalg.norm(sites - y, axis=1)
         near = np.argsort(r)[:k]
-        b = np.concatenate([r[near] ** 3, [1], 0 * y])  # the foot is the origin
+        b = np.concatenate([r[near] ** 3, [1], np.zeros_like(y)])  # the foot is the origin
         H[i, near] = np.linalg.solve(system(sites[near] - y), b)[:k]
     return H
     # END SOLUTION

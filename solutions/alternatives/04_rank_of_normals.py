@@ -160,8 +160,9 @@ def by_cross_products(points, normals):
         p = points[np.abs(n[0] * normals[:, 1] - n[1] * normals[:, 0]) > 1e-10]
         if len(p) < 3:
             return False
+        longest = max(np.linalg.norm(q - p[0]) for q in p)
         area = [abs(np.linalg.det([q - p[0], r - p[0]])) for q in p for r in p]
-        if max(area) < 1e-9:
+        if max(area) <= 1e-9 * longest:
             return False
     return True
 

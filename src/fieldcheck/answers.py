@@ -21,6 +21,8 @@ from fieldcheck.shapes import fitted
 
 DIGITS = 12
 """Significant digits of stored values."""
+ROUNDING = 1e-12
+"""A part of the largest argument: a wrong answer with smaller numbers returns rounding errors."""
 
 
 @dataclass(frozen=True)
@@ -109,22 +111,23 @@ def _distance(question: Question, call: Call, one: Outcome, other: Outcome, righ
     if [v.shape for v in values] != [v.shape for v in known]:
         return np.inf
     if [v.shape for v in known] != list(shapes):
-        return _plain_distance(values, known, question.tolerance(call))
+        return _plain_distance(call, values, known, question.tolerance(call))
     if any((np.isfinite(a) != np.isfinite(b)).any() for a, b in zip(values, known, strict=True)):
         return np.inf
     if not all(np.isfinite(v).all() for v in known):
-        return _plain_distance(values, known, question.tolerance(call))
+        return _plain_distance(call, values, known, question.tolerance(call))
     apart = question.fingerprint_differences(call, values, known, right)
     return max(float(d.max(initial=0.0)) for d in apart)
 
 
-def _plain_distance(values: Values, known: Values, tolerance: float) -> float:
+def _plain_distance(call: Call, values: Values, known: Values, tolerance: float) -> float:
     """Compare values without a normal form: wrong shapes, or values that are not finite.
 
-    The order of rows is ignored.
+    The order of rows is ignored, and so are numbers that are rounding errors of the arguments.
     """
+    rounding = ROUNDING * max(_scale(np.asarray(a)) for a in call.arguments)
     same = (
-        np.allclose(a, b, rtol=tolerance, atol=tolerance * _scale(b), equal_nan=True)
+        np.allclose(a, b, rtol=tolerance, atol=max(tolerance * _scale(b), rounding), equal_nan=True)
         for a, b in zip(map(rows_sorted, values), map(rows_sorted, known), strict=True)
     )
     return 0.0 if all(same) else np.inf

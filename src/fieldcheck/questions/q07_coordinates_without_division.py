@@ -9,7 +9,7 @@ import numpy as np
 from fieldcheck.calls import Call, Values, integers
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q05_edges import in_short_binary_numbers
-from fieldcheck.questions.q07_triangles import beside_the_origin
+from fieldcheck.questions.q07_triangles import SMALL, beside_the_origin
 from fieldcheck.questions.q07_voronoi_coordinates import (
     INTEGERS,
     ONE,
@@ -140,11 +140,13 @@ def special_cells(random: np.random.Generator) -> Iterator[Call]:
         middle, whole = (300 * center, integers(rim)) if n == 6 else (integers(center), 300 * rim)
         parts = "neighbours" if n == 6 else "a vertex"
         yield Call(name, (middle, whole, x), f"{parts} and three points in arrays of integers")
-    for n, words in ((4, "four"), (5, "five")):
-        center, rim, corners = star(random, n)
-        x = points_inside(random, center, corners, 3)
-        case = f"{words} neighbours in a cell of the size 10⁻⁸, beside the origin"
-        yield Call(name, beside_the_origin(random, center, rim, x), case, exact=(0, 1, 2))
+    for words in ("a cell", "another cell"):
+        center, rim, corners = star(random, 3)
+        small = beside_the_origin(
+            random, center, rim, points_inside(random, center, corners, 3), size=SMALL
+        )
+        case = f"{words} of three neighbours, of the size 10⁻⁵, beside the origin"
+        yield Call(name, small, case, exact=(0, 1, 2))
 
 
 def far_from_the_origin(random: np.random.Generator) -> Iterator[Call]:
