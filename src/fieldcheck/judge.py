@@ -57,6 +57,9 @@ def judge(
         mistake = answers.recognise(question, calls, outcomes)
         if mistake:
             return Verdict(question.name, "misconception", mistake.sentence, mistake.name, call)
+        if finding == "wrong":
+            values = _values(question, calls, outcomes)
+            sentence = _joined(sentence, pattern(question, calls, values, answers.right))
     return Verdict(question.name, finding, sentence, call=call)
 
 
@@ -93,13 +96,17 @@ def _failures(
             yield finding, sentence, index
     if found:
         return
-    values = [
-        fitted(o.values or (), question.shapes(c)) for c, o in zip(calls, outcomes, strict=True)
-    ]
-    yield from _wrong(question, calls, values, answers)
+    yield from _wrong(question, calls, _values(question, calls, outcomes), answers)
     slowest = int(np.argmax([outcome.seconds for outcome in outcomes]))
     if outcomes[slowest].seconds > question.limit:
         yield "slow", _slow(question, calls[slowest], outcomes[slowest]), slowest
+
+
+def _values(question: Question, calls: Sequence[Call], outcomes: Sequence[Outcome]) -> list[Values]:
+    """Return the values of outcomes that have the right shapes."""
+    return [
+        fitted(o.values or (), question.shapes(c)) for c, o in zip(calls, outcomes, strict=True)
+    ]
 
 
 def _form(question: Question, call: Call, outcome: Outcome) -> Iterator[tuple[Finding, str]]:
@@ -165,9 +172,6 @@ def _wrong(
     units = _units(question, calls, values, answers)
     off = [max(d.max(initial=0.0) for d in parts) for parts in units]
     worst = int(np.argmax(off)) if off and max(off) > 1 else None
-    common = (
-        pattern(question, calls, values, answers.right) if answers and worst is not None else ""
-    )
     for law in question.laws:
         deviation = _deviation(law, calls, values)
         if not deviation <= law.tolerance:
@@ -175,11 +179,11 @@ def _wrong(
             text = _off(deviation, law.tolerance)
             if answers and shown is not None:
                 text = _difference(question, calls[shown], units[shown], answers.right, shown)
-            yield "wrong", _joined(law.sentence, text, common), worst if shown is None else shown
+            yield "wrong", _joined(law.sentence, text), worst if shown is None else shown
             return
     if answers and worst is not None:
         text = _difference(question, calls[worst], units[worst], answers.right, worst)
-        yield "wrong", _joined(text, common), worst
+        yield "wrong", text, worst
 
 
 def _joined(*sentences: str) -> str:
@@ -200,14 +204,18 @@ def _violating(
 ) -> int | None:
     """Return the call with the largest difference among those that alone violate a law.
 
-    A law may compare calls, so the others get their right values.
+    If the law compares calls, the others get their right values.
     """
+
+    def alone(index: int) -> float:
+        if law.of_each:
+            return _deviation(law, calls[index : index + 1], values[index : index + 1])
+        return _deviation(law, calls, [*right[:index], values[index], *right[index + 1 :]])
+
     violating = [
         index
         for index, difference in enumerate(off)
-        if difference > 1
-        and not _deviation(law, calls, [*right[:index], values[index], *right[index + 1 :]])
-        <= law.tolerance
+        if difference > 1 and not alone(index) <= law.tolerance
     ]
     return max(violating, key=lambda index: off[index], default=None)
 

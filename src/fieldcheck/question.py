@@ -31,11 +31,14 @@ class Law:
         ``deviation(calls, values) -> float``, relative; zero if the law holds exactly.
     tolerance : float
         The largest deviation that rounding explains.
+    of_each : bool
+        Whether it holds for each call alone, so that calls need not be compared.
     """
 
     sentence: str
     deviation: Deviation
     tolerance: float = LEAST_TOLERANCE
+    of_each: bool = False
 
 
 def law(sentence: str, tolerance: float = LEAST_TOLERANCE) -> Callable[[Deviation], Law]:
@@ -53,7 +56,7 @@ def law_of_each(
         def largest(calls: Sequence[Call], values: Sequence[Values]) -> float:
             return float(np.max([deviation(*each) for each in zip(calls, values, strict=True)]))
 
-        return Law(sentence, largest, tolerance)
+        return Law(sentence, largest, tolerance, of_each=True)
 
     return declare
 

@@ -257,7 +257,7 @@ def stars(random: np.random.Generator) -> Iterator[Call]:
     ):
         points = random.permutation(star[:n]) + random.integers(-3, 4, 2)
         x = np.concatenate([points[0] + random.uniform(-2, 2, (24, 2)), points])
-        case = f"{words} points at the distance 1 from another one, k = {k} and the degree {degree}"
+        case = f"{words} points at distance 1 from one, k = {k}, degree {degree}"
         yield Call("interpolate", (points, random.normal(size=n), k, degree, x), case, exact=(0,))
 
 

@@ -70,7 +70,7 @@ def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
             for flow, motion in ((1, "vortex"), (2, "deformation flow"), (0, "solid rotation"))
         ),
         ((x, t, 1.0, 0), "a step of a whole period in the solid rotation"),
-        ((x[:5], t, -1.0, 0), "a step forward, of a whole period, in the solid rotation"),
+        ((x[:5], t, 2.0, 0), "a step of two whole periods in the solid rotation"),
     )
 
 

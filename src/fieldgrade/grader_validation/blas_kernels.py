@@ -32,6 +32,8 @@ CORES = {
     "SkylakeX": {"AVX512_SKX", "X86_V4"},
 }
 """Kernel names of OpenBLAS, with the CPU features that they need under both names of NumPy."""
+REPORTED = {"Prescott": "Katmai"}
+"""What OpenBLAS reports for a name that it knows, where that is another name."""
 CHOICES = ("OPENBLAS_CORETYPE", "NPY_DISABLE_CPU_FEATURES")
 NO_CHOICE = (
     "The kernels of BLAS cannot be chosen here, so no others are tried: that needs NumPy and SciPy "
@@ -105,7 +107,8 @@ def settings() -> list[Setting]:
     if not has_choice_of_kernels():
         return plain
     own = {*blas_cores().values()}
-    usable = [core for core, names in CORES.items() if names & features() and own != {core}]
+    others = [core for core in CORES if own != {REPORTED.get(core, core)}]
+    usable = [core for core in others if CORES[core] & features()]
     return [
         Setting(f"the {core} kernels of OpenBLAS", {CHOICES[0]: core}) for core in usable
     ] + plain

@@ -89,15 +89,18 @@ class RoundingTest:
 
     def verdicts(self, known: Mapping[TrialKey, Answers], draw: int | None = None) -> Verdicts:
         """Judge each answer by known answers; with a `draw`, on perturbed inputs."""
-        return {
-            (question, inputs, name): self._verdict(trial, entry, known[question, inputs], draw)
-            for (question, inputs), trial in self.trials.items()
-            for name, entry in self.answers[question].items()
-        }
+        found: Verdicts = {}
+        for (question, inputs), trial in self.trials.items():
+            tried = trial.calls if draw is None else perturbed(trial.calls, draw)
+            for name, entry in self.answers[question].items():
+                verdict = self._verdict(trial, tried, entry, known[question, inputs])
+                found[question, inputs, name] = verdict
+        return found
 
-    def _verdict(self, trial: Trial, entry: Entry | None, known: Answers, draw: int | None) -> str:
+    def _verdict(
+        self, trial: Trial, tried: tuple[Call, ...], entry: Entry | None, known: Answers
+    ) -> str:
         calls, question = trial.calls, trial.question
-        tried = calls if draw is None else perturbed(calls, draw)
         functions = entry.namespace(self.functions) if entry else self.functions
         outcomes = perform(functions, tried, TIMEOUT_FACTOR * question.limit)
         verdict = judge(replace(question, limit=np.inf), calls, outcomes, known)
