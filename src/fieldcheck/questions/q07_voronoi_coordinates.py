@@ -271,8 +271,8 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
     for call in (calls[0], calls[4]):
         tiny = tuple(1e-9 * part for part in call.arguments)
         calls.append(Call("coordinates", tiny, f"{call.case}, of the size 10⁻⁹"))
-    for cell, x, words in with_their_vertices(random):
-        calls.append(Call("coordinates", (*cell, x), words))
+    for cell, inside, words in with_their_vertices(random):
+        calls.append(Call("coordinates", (*cell, inside), words))
     return tuple(calls)
 
 

@@ -211,7 +211,7 @@ def heights_inputs(seed: int) -> tuple[Call, ...]:
         Call("heights", (moved(center), moved(neighbors), moved(x)), case, exact=(0, 1, 2))
         for x, case in ((inside, "four points, 10⁴ away"), (corners, "eight corners, 10⁴ away"))
     )
-    small = tuple(
+    beside = tuple(
         Call(
             "heights",
             beside_the_origin(random, center, neighbors, x),
@@ -220,7 +220,7 @@ def heights_inputs(seed: int) -> tuple[Call, ...]:
         )
         for x, words in ((inside, "four points"), (corners, "eight corners"))
     )
-    return calls + away + small
+    return calls + away + beside
 
 
 def more_heights(
