@@ -225,31 +225,33 @@ def grown(
     parts=None,
     compared_with=None,
 ):
+    """Prim's algorithm; of links with equal costs the first one in the list is taken."""
     n = normals.copy()
     parents = n if compared_with is None else compared_with
-    left = set(range(len(n)))
+    costs = np.where(linked, cost, np.inf)
+    outside = np.ones(len(n), dtype=bool)
     begun = 0
-    while left and (parts is None or begun < parts):
+    while outside.any() and (parts is None or begun < parts):
         begun += 1
-        i = max(left, key=lambda j: points[j, -1]) if root == "highest" else min(left)
+        heights = np.where(outside, points[:, -1], -np.inf)
+        i = heights.argmax() if root == "highest" else outside.argmax()
         if upward and n[i, -1] < 0:
             n[i] = -n[i]
-        left.discard(i)
-        tree = [i]
+        best, origin = np.full(len(n), np.inf), np.zeros(len(n), dtype=int)
         while True:
-            reach = [(cost(n, a, b), a, b) for a in tree for b in left if linked[a, b]]
-            if not reach:
+            outside[i] = False
+            better = outside & ((costs[i] < best) | (costs[i] == best) & (i < origin))
+            best[better], origin[better], best[i] = costs[i, better], i, np.inf
+            if not np.isfinite(best.min()):
                 break
-            _, a, b = min(reach)
-            if parent_sign * (parents[a] @ n[b]) < 0:
-                n[b] = -n[b]
-            tree.append(b)
-            left.discard(b)
+            i = min(np.flatnonzero(best == best.min()), key=lambda j: origin[j])
+            if parent_sign * (parents[origin[i]] @ n[i]) < 0:
+                n[i] = -n[i]
     return n
 
 
-def by_angle(n, a, b):
-    return 1 - abs(n[a] @ n[b])
+def by_angle(normals):
+    return 1 - np.abs(normals @ normals.T)
 
 
 @answers("11.3")
@@ -274,7 +276,7 @@ def first_sign_kept(points, normals, linked):
     """All normals agree with each other, but not with the rule for the first one. If it points
     inward, so do all others. What does the rule say about which point and which component?
     """
-    return grown(points, normals, linked, by_angle, upward=False)
+    return grown(points, normals, linked, by_angle(normals), upward=False)
 
 
 @answers("11.3")
@@ -282,7 +284,7 @@ def begun_anywhere(points, normals, linked):
     """The tree begins at the first point of the list, and its normal was made to point upward. Only
     at the highest point of a component is the outside known to be above.
     """
-    return grown(points, normals, linked, by_angle, root="first")
+    return grown(points, normals, linked, by_angle(normals), root="first")
 
 
 @answers("11.3")
@@ -290,7 +292,7 @@ def first_part_only(points, normals, linked):
     """Only the component with the highest point of all was oriented. The links do not reach the
     other components. Each of them needs a first point of its own.
     """
-    return grown(points, normals, linked, by_angle, parts=1)
+    return grown(points, normals, linked, by_angle(normals), parts=1)
 
 
 @answers("11.3")
@@ -298,7 +300,7 @@ def shortest_links_first(points, normals, linked):
     """The signs were passed along the shortest links. Near a sharp tip two points are close, but
     their normals are not parallel, so the sign is unsafe. (11.4) makes such a link expensive.
     """
-    return grown(points, normals, linked, lambda n, a, b: np.linalg.norm(points[a] - points[b]))
+    return grown(points, normals, linked, distances(points))
 
 
 @answers("11.3")
@@ -306,7 +308,7 @@ def right_angles_first(points, normals, linked):
     """The costs are inverted: links between perpendicular normals were taken first, where the sign
     is a guess. Parallel normals, of either sign, must be cheap.
     """
-    return grown(points, normals, linked, lambda n, a, b: abs(n[a] @ n[b]))
+    return grown(points, normals, linked, 1 - by_angle(normals))
 
 
 @answers("11.3")
@@ -314,7 +316,7 @@ def neighbours_turned_apart(points, normals, linked):
     """Along the tree the normals were inverted so that they *disagree*. The test of the scalar
     product has the wrong sign.
     """
-    return grown(points, normals, linked, by_angle, parent_sign=-1.0)
+    return grown(points, normals, linked, by_angle(normals), parent_sign=-1.0)
 
 
 @answers("11.3")
@@ -368,7 +370,7 @@ def compared_with_the_given_normal(points, normals, linked):
     """Each normal was compared with the *given* normal of its neighbour in the tree. The neighbour
     may have been inverted before: compare with the oriented normal.
     """
-    return grown(points, normals, linked, by_angle, compared_with=normals)
+    return grown(points, normals, linked, by_angle(normals), compared_with=normals)
 
 
 @answers("11.3")
@@ -376,7 +378,7 @@ def all_inward(points, normals, linked):
     """All normals point inward: the first normal of each component has the wrong sign. At the
     highest point the outward normal points upward.
     """
-    return -grown(points, normals, linked, by_angle)
+    return -grown(points, normals, linked, by_angle(normals))
 
 
 @answers("11.3", named=False)
@@ -390,19 +392,25 @@ def part_begun_at_height_zero(points, normals, linked):
 # 11.4 Points beside
 
 
-def halved(points, normals, distance, test, sides=(1, -1)):
+def halved(points, normals, distance, passes, sides=(1, -1)):
     lengths = np.full((len(points), 2), float(distance))
-    for i, p in enumerate(points):
-        for s, sign in enumerate(sides):
-            while not test(i, p + sign * lengths[i, s] * normals[i], lengths[i, s]):
-                lengths[i, s] /= 2
-                if lengths[i, s] < 1e-6:
-                    break
+    for length, side in zip(lengths.T, sides, strict=True):
+        while True:
+            failed = ~passes(points + side * length[:, None] * normals, length)
+            failed &= (length >= 1e-6) | (length == distance)
+            if not failed.any():
+                break
+            length[failed] /= 2
     return lengths
 
 
 def own(points):
-    return lambda i, x, length: np.argmin(((points - x) ** 2).sum(axis=1)) == i
+    """Whether the nearest point to each place is the one with the same number."""
+    return lambda places, _: nearest_points(points, places) == np.arange(len(points))
+
+
+def nearest_points(points, places):
+    return ((points - places[:, None]) ** 2).sum(axis=2).argmin(axis=1)
 
 
 @answers("11.4")
@@ -418,13 +426,9 @@ def halved_once(points, normals, distance):
     """The length was halved at most once. Half of it may still be too large: repeat until the test
     is passed.
     """
-    ok = own(points)
-    return np.array(
-        [
-            [distance if ok(i, p + s * distance * normals[i], 0) else distance / 2 for s in (1, -1)]
-            for i, p in enumerate(points)
-        ]
-    )
+    passes = own(points)
+    sides = (points + side * distance * normals for side in (1, -1))
+    return np.array([np.where(passes(side, 0), distance, distance / 2) for side in sides]).T
 
 
 @answers("11.4")
@@ -466,7 +470,7 @@ def distance_to_others_only(points, normals, distance):
     of (11.6) concerns the off-surface point: which point of the cloud is nearest to it?
     """
     gaps = distances(points) + 1e9 * np.eye(len(points))
-    return halved(points, normals, distance, lambda i, x, length: length < gaps[i].min())
+    return halved(points, normals, distance, lambda places, length: length < gaps.min(axis=1))
 
 
 @answers("11.4")
@@ -474,16 +478,14 @@ def as_far_as_possible(points, normals, distance):
     """The largest length that passes the test was computed. (11.6) asks for the largest of Δ, Δ/2,
     Δ/4, … that passes.
     """
-    lengths = halved(points, normals, distance, own(points))
-    ok = own(points)
-    for i, p in enumerate(points):
-        for s, sign in enumerate((1, -1)):
-            low, high = lengths[i, s], min(2 * lengths[i, s], distance)
-            for _ in range(60):
-                middle = (low + high) / 2
-                passed = ok(i, p + sign * middle * normals[i], middle)
-                low, high = (middle, high) if passed else (low, middle)
-            lengths[i, s] = low
+    passes = own(points)
+    lengths = halved(points, normals, distance, passes)
+    for low, side in zip(lengths.T, (1, -1), strict=True):
+        high = np.minimum(2 * low, distance)
+        for _ in range(60):
+            middle = (low + high) / 2
+            passed = passes(points + side * middle[:, None] * normals, middle)
+            low[passed], high[~passed] = middle[passed], middle[~passed]
     return lengths
 
 

@@ -25,24 +25,26 @@ def right_feet(x, t, dt, flow):
     return x - dt * (a + 2 * b + 2 * c + wind(x - dt * c, t - dt, flow)) / 6
 
 
-def local_weights(sites, y, k, phi=lambda r: r**3, polynomial=True):
-    """The numbers of the k nearest sites, and their weights."""
-    near = np.argsort(((sites - y) ** 2).sum(axis=1))[:k]
-    z = sites[near] - y
-    a = phi(np.linalg.norm(z[:, None] - z, axis=2))
-    b = phi(np.linalg.norm(z, axis=1))
+def local_weights(sites, feet, k, phi=lambda r: r**3, polynomial=True):
+    """The numbers of the k sites nearest to each foot, and their weights."""
+    near = np.argsort(((sites - feet[:, None]) ** 2).sum(axis=2), axis=1)[:, :k]
+    z = sites[near] - feet[:, None]
+    m, d = feet.shape
+    size = k + polynomial * (1 + d)
+    a, b = np.zeros((m, size, size)), np.zeros((m, size))
+    a[:, :k, :k] = phi(np.linalg.norm(z[:, :, None] - z[:, None], axis=3))
+    b[:, :k] = phi(np.linalg.norm(z, axis=2))
     if polynomial:
-        p = np.column_stack([np.ones(k), z])
-        a = np.vstack([np.hstack([a, p]), np.hstack([p.T, np.zeros((p.shape[1],) * 2)])])
-        b = np.hstack([b, 1, 0 * y])
-    return near, np.linalg.solve(a, b)[:k]
+        a[:, :k, k] = a[:, k, :k] = b[:, k] = 1
+        a[:, :k, k + 1 :] = z
+        a[:, k + 1 :, :k] = z.transpose(0, 2, 1)
+    return near, np.linalg.solve(a, b[..., None])[:, :k, 0]
 
 
 def matrix(sites, feet, k, **how):
     h = np.zeros((len(feet), len(sites)))
-    for i, y in enumerate(feet):
-        near, w = local_weights(sites, y, k, **how)
-        h[i, near] = w
+    near, w = local_weights(sites, feet, k, **how)
+    np.put_along_axis(h, near, w, axis=1)
     return h
 
 
@@ -282,9 +284,8 @@ def the_farthest(sites, feet, k):
     h = np.zeros((len(feet), len(sites)))
     for i, y in enumerate(feet):
         far = np.argsort(-np.linalg.norm(sites - y, axis=1))[:k]
-        _, w = local_weights(sites[far], y, k)
-        order = np.argsort(((sites[far] - y) ** 2).sum(axis=1))
-        h[i, far[order]] = w
+        near, w = local_weights(sites[far], y[None], k)
+        h[i, far[near]] = w
     return h
 
 
@@ -298,8 +299,7 @@ def all_sites(sites, feet, k):
 def weights_in_the_first_columns(sites, feet, k):
     """The weights are in the first k columns. Each weight belongs in the column of its site."""
     h = np.zeros((len(feet), len(sites)))
-    for i, y in enumerate(feet):
-        h[i, :k] = local_weights(sites, y, k)[1]
+    h[:, :k] = local_weights(sites, feet, k)[1]
     return h
 
 

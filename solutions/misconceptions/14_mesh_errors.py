@@ -1,8 +1,6 @@
 """Mistakes in notebook 14, each with the sentence that the student reads."""
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from fieldgrade.authoring.catalogue import answers
 
@@ -12,10 +10,21 @@ def sides(triangles):
 
 
 def parts(n, links):
+    """The first of all objects that are connected with each one."""
     links = np.reshape(links, (-1, 2)).astype(int)
-    graph = coo_array((np.ones(len(links)), links.T), shape=(n, n))
-    label = connected_components(graph, directed=False)[1]
-    return np.unique(label, return_index=True)[1][label]
+    earlier = {i: i for i in links.ravel().tolist()}
+
+    def first(i):
+        while earlier[i] != i:
+            i = earlier[i]
+        return i
+
+    for a, b in links.tolist():
+        one, other = sorted((first(a), first(b)))
+        earlier[other] = one
+    label = np.arange(n)
+    label[list(earlier)] = [first(i) for i in earlier]
+    return label
 
 
 def counted(triangles, ends):

@@ -212,12 +212,9 @@ def _violating(
             return _deviation(law, calls[index : index + 1], values[index : index + 1])
         return _deviation(law, calls, [*right[:index], values[index], *right[index + 1 :]])
 
-    violating = [
-        index
-        for index, difference in enumerate(off)
-        if difference > 1 and not alone(index) <= law.tolerance
-    ]
-    return max(violating, key=lambda index: off[index], default=None)
+    falling = sorted(range(len(off)), key=lambda index: -off[index])
+    failed = (index for index in falling if off[index] > 1)
+    return next((index for index in failed if not alone(index) <= law.tolerance), None)
 
 
 def _units(

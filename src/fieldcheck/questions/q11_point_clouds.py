@@ -152,14 +152,24 @@ def have_the_least_variance(calls: Sequence[Call], values: Sequence[Values]) -> 
             float((-planarity).max()),
             float(planarity.max() - 1),
         )
-        for p, normal in zip(points, n, strict=True):
-            near = points[((points - p) ** 2).sum(axis=1).argsort()[:k]] - p
-            near = near - near.mean(axis=0)
-            least = ((near @ normal) ** 2).sum()
-            for d in range(len(p)):
-                beside = normal + 1e-2 * np.eye(len(p))[d]
-                worst = max(worst, float(least - ((near @ beside) ** 2).sum() / (beside @ beside)))
+        near = points[_squared_distances(points, points).argsort(axis=1)[:, :k]] - points[:, None]
+        near = near - near.mean(axis=1, keepdims=True)
+        least = _sums_of_squares(near, n)
+        for axis in np.eye(points.shape[1]):
+            beside = n + 1e-2 * axis
+            rayleigh = _sums_of_squares(near, beside) / (beside * beside).sum(axis=1)
+            worst = max(worst, float((least - rayleigh).max()))
     return worst
+
+
+def _squared_distances(points: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return a row for each place."""
+    return ((points - places[:, None]) ** 2).sum(axis=2)
+
+
+def _sums_of_squares(near: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Sum the squares of the components of the vectors at each point in its direction."""
+    return (np.matmul(near, directions[:, :, None]) ** 2).sum(axis=(1, 2))
 
 
 def with_one_sign(_: Call, values: Values) -> Values:
@@ -281,12 +291,16 @@ def belong_to_their_sites(calls: Sequence[Call], values: Sequence[Values]) -> fl
         points, n, distance = call.arguments
         halves = np.log2(distance / np.maximum(lengths, 1e-30 * distance))
         wrong += int((np.abs(halves - np.round(halves)) > 1e-6).sum()) + int((halves < -0.5).sum())
-        for i, (p, normal) in enumerate(zip(points, n, strict=True)):
-            for side, length in zip((normal, -normal), lengths[i], strict=True):
-                wrong += int(((points - p - length * side) ** 2).sum(axis=1).argmin() != i)
-                if length < 0.7 * distance:
-                    wrong += int(((points - p - 2 * length * side) ** 2).sum(axis=1).argmin() == i)
+        for side, length in zip((n, -n), lengths.T, strict=True):
+            wrong += int((~_are_nearest(points, points + length[:, None] * side)).sum())
+            doubled = _are_nearest(points, points + 2 * length[:, None] * side)
+            wrong += int((doubled & (length < 0.7 * distance)).sum())
     return float(wrong)
+
+
+def _are_nearest(points: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Whether the nearest point to each place is the one with the same number."""
+    return _squared_distances(points, places).argmin(axis=1) == np.arange(len(points))
 
 
 QUESTIONS = (

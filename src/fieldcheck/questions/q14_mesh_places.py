@@ -124,14 +124,12 @@ def is_the_first_coincident_vertex(calls: Sequence[Call], values: Sequence[Value
     wrong = 0
     for call, (place,) in zip(calls, values, strict=True):
         points, tolerance = call.arguments
-        for i, j in enumerate(place.tolist()):
-            gaps = np.sqrt(((points[: i + 1] - points[i]) ** 2).sum(axis=1))
-            there = j in range(i + 1)
-            wrong += (
-                not there
-                or bool(gaps[int(j)] > tolerance)
-                or bool((gaps[: int(j)] <= tolerance).any())
-            )
+        near = np.sqrt(((points[:, None] - points) ** 2).sum(axis=2)) <= tolerance
+        number = np.arange(len(points))
+        exists = np.isin(place, number) & (place <= number)
+        vertex = np.where(exists, place, 0).astype(int)
+        is_first = near[number, vertex] & (near.argmax(axis=1) == vertex)
+        wrong += int((~(exists & is_first)).sum())
     return float(wrong)
 
 

@@ -9,7 +9,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from functools import cache
-from itertools import chain
+from itertools import chain, zip_longest
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +32,8 @@ SHORT_BITS = 24
 """Numbers with at most so many binary digits are not secret; a random one has 53."""
 LARGEST_DENOMINATOR, LARGEST_NUMERATOR = 1000, 10**6
 """Ratios of integers up to these are not secret: they are answers to questions about integers."""
+ROUNDING = 1e-13
+"""A part of the largest number of a call: smaller ones are rounding errors, and not secret."""
 LONG_NUMBER = re.compile(r"-?\d*\.?\d+(?:e[-+]?\d+)?", re.IGNORECASE)
 TOKEN = re.compile(
     r"(?P<word>(?:\.?[^\W\d]\w*)+|\.?\d[\w.]*(?:(?<=[eE])[-+]\d+)?|\*\*|//|[=!<>]=|[-+*/@%<>&|^~])"
@@ -119,8 +121,13 @@ def numbers_of(calls: Sequence[Call], answers: Sequence[Values]) -> set[str]:
 
 
 def _arrays(calls: Sequence[Call], answers: Sequence[Values]) -> Iterator[np.ndarray]:
-    arrays = (np.asarray(a, dtype=float) for call in calls for a in call.arguments)
-    return chain(arrays, *answers)
+    """Yield the inputs and the answers, with zeros for their rounding errors."""
+    for call, values in zip_longest(calls, answers):
+        given = call.arguments if call else ()
+        arrays = [np.asarray(a, dtype=float) for a in (*given, *(values or ()))]
+        finite = [np.where(np.isfinite(a), a, 0.0) for a in arrays]
+        rounding = ROUNDING * max(np.abs(a).max(initial=0.0) for a in finite)
+        yield from (np.where(np.abs(a) > rounding, a, 0.0) for a in finite)
 
 
 def long_numbers(text: str) -> set[str]:

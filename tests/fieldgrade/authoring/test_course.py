@@ -503,6 +503,8 @@ def test_leaked_numbers_of_a_hidden_case_are_found():
         ([8 / 31, 10 / 23, -8 / 3], [8 / 31, 10 / 23, -8 / 3], False),
         ([8 / 31, 0.123456789123], [0.123456789123, 8 / 31], True),
         (np.sqrt([2, 3]), np.sqrt([2, 3]), True),
+        ([1.0877919644084146e-15, 1.0], [1.0877919644084146e-15], False),
+        (1.0877919644084146e-15, [1.0877919644084146e-15], True),
     ],
 )
 def test_rounding_errors_and_short_numbers_are_not_a_leak(answer, public, is_leak):
