@@ -11,7 +11,6 @@ import nbformat
 
 from fieldcheck.questions import questions
 from fieldgrade.authoring.bundle import student_tree
-from fieldgrade.authoring.catalogue import entries
 from fieldgrade.authoring.course_map import DIAGRAM, PAGE, map_diagram, map_page
 from fieldgrade.authoring.hidden_cases import hidden_cases
 from fieldgrade.authoring.known_answers import answers_file, same_answers
@@ -174,10 +173,9 @@ def leaks(root: Path, salt: str, made: Mapping[Path, str] = NOTHING) -> Iterator
     for source in all_sources(root):
         yield from code_leaks(source, files)
         functions, hidden = source.functions(), hidden_cases(source)
-        mistakes = entries(source, "misconceptions")
         for question in questions().values():
             if question.notebook == source.number:
-                public, *others = trials(question, functions, mistakes, hidden, "leak", salt)
+                public, *others = trials(question, functions, (), hidden, "leak", salt)
                 known = numbers_of(public.calls, public.answers.right)
                 for trial in others:
                     yield from number_leaks(trial.calls, trial.answers.right, written, known)

@@ -198,8 +198,13 @@ def _runs(tokens: Sequence[_Token]) -> Iterator[tuple[TokenRun, int]]:
         yield tuple(token.text for token in tokens[first : last + 1]), tokens[first].line
 
 
-def _texts(name: str, content: str) -> Iterator[PublicText]:
-    """Yield the texts of a file: cells and outputs of a notebook, strings of code and of JSON."""
+@cache
+def _texts(name: str, content: str) -> Sequence[PublicText]:
+    """List the texts of a file: cells and outputs of a notebook, strings of code and of JSON."""
+    return list(_read_texts(name, content))
+
+
+def _read_texts(name: str, content: str) -> Iterator[PublicText]:
     if name.endswith(".ipynb"):
         for number, cell in enumerate(json.loads(content)["cells"], 1):
             yield PublicText(f"{name}, cell {number}", 1, "".join(cell["source"]))
