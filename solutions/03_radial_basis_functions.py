@@ -280,7 +280,7 @@ def the_matrix(number):
 # %% [markdown]
 # **What to look at.** There are four blocks. The diagonal of $\mathbf{A}$ is zero, since
 # $w(\mathbf{0}) = 0$, and the last block is zero. So the whole diagonal of
-# $\mathbf{H}_{\mathrm{RBF}}$ is zero. Question 03.5 uses this.
+# $\mathbf{H}_{\mathrm{RBF}}$ is zero. Question 03.9 uses this.
 
 # %% [markdown]
 # ### 03.3 The coefficients

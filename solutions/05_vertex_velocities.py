@@ -409,10 +409,11 @@ def truth_and_data(seed):
 # ## The ring of a vertex
 #
 # To find the velocity at one vertex we use edges around it. The edges that end in the vertex are
-# not enough, as notebook 04 showed (spokes alone). So we take all edges of the triangles that meet
-# in the vertex: its *one-ring*. If this is not enough, we add the triangles that share at least one
-# corner with the one-ring: the edges of all these triangles are the *two-ring*. In general, each
-# further ring adds the triangles that share a corner with the triangles of the previous ring.
+# not enough: the field $\mathbf{x} - \mathbf{x}_i$ is tangent to all of them. So we take all edges
+# of the triangles that meet in the vertex: its *one-ring*. If this is not enough, we add the
+# triangles that share at least one corner with the one-ring: the edges of all these triangles are
+# the *two-ring*. In general, each further ring adds the triangles that share a corner with the
+# triangles of the previous ring.
 #
 # ### 05.6 The ring
 #

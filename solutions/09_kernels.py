@@ -653,8 +653,8 @@ def too_many_variables(d, s):
 # %% [markdown]
 # **What to look at.** The right panel shows the smallest eigenvalue of the matrix of your function
 # for lattices in one, two and three variables. The function $\psi_{1,0} = (1-r)_+$ is positive
-# definite on the line. In the plane its matrix has a negative eigenvalue, and in space a larger
-# one, although all points are distinct. The other functions stay positive on these lattices. Such a
+# definite on the line. In the plane its matrix has a negative eigenvalue, and in space one that is
+# farther below zero, although all points are distinct. The other functions stay positive on these lattices. Such a
 # test can refute positive definiteness, but it cannot prove it. For instance, $\psi_{1,1}$ is not
 # positive definite in two variables, but only lattices with about two thousand points show it.
 

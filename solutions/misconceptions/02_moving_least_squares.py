@@ -430,8 +430,8 @@ def second_term_with_the_wrong_sign(points, values, x, epsilon):
 
 @answers("02.7")
 def derivative_of_the_weight_itself(points, values, x, epsilon):
-    """The second term of (2.8) is half of what it must be. You have differentiated w, but (2.5) has
-    w². The chain rule gives another factor 2.
+    """The second term of (2.8) is half of what it must be. A factor 2 is missing: that of the
+    square, ∂(w²) = 2 w ∂w, or that of the derivative of r², 2 (x − p).
     """
 
     def data(w, away, c):

@@ -188,9 +188,7 @@ def ones_on_the_diagonal(points):
 
 @answers("03.2")
 def identity_in_the_corner(points):
-    """The last block is an identity matrix, so the constraints contain c. By which factor is c
-    multiplied in (3.4)?
-    """
+    """The last block is an identity matrix, so the constraints contain c. Does c occur in (3.4)?"""
     h = bordered(w(offsets(points, points)), basis(points))
     n = len(points)
     h[n:, n:] = np.eye(len(h) - n)
@@ -445,8 +443,8 @@ def signs_exchanged(points):
 
 @answers("03.5")
 def none_found_zero(points):
-    """No eigenvalue is counted as zero. For points on one line, or two equal points, one eigenvalue
-    is zero. Rounding makes it a tiny number: was it compared with zero exactly?
+    """No eigenvalue is counted as zero. For points on one line of the plane, or two equal points,
+    one eigenvalue is zero. Rounding makes it a tiny number: was it compared with zero exactly?
     """
     n, d = points.shape
     return n, d + 1, 0

@@ -316,7 +316,7 @@ def not_of_length_one(points, c):
 @answers("04.4")
 def mirrored(points, c):
     """The two components were exchanged, which is a reflection and not a rotation by 90 degrees.
-    The scalar product with u is 2 u₁u₂. One sign is missing.
+    Before the division by the length, the scalar product with u is 2 u₁u₂. One sign is missing.
     """
     return unit(flow_at(points, c)[:, ::-1])
 
@@ -527,8 +527,8 @@ def shifted(ring):
 
 @answers("04.6")
 def spokes_alone(center, ring):
-    """The outer edges are missing. There are twice as many samples. With the spokes alone the rank
-    is always less than six.
+    """The outer edges are missing: there must be 2k samples. With the spokes alone the rank is
+    always less than six.
     """
     return (center + ring) / 2, unit(turn(ring - center))
 

@@ -689,8 +689,8 @@ def distances_to_edges(center, rim, x, half=0.5):
 
 @answers("07.8")
 def quotients_again(center, rim, x):
-    """Inside the cell this is right; on the edges it is zero by zero, because the quotients of
-    (7.5) are still there. In (7.10) nothing is divided but by the sum at the end.
+    """Inside the cell this is right; on the edges weights are divided by zero, because the
+    quotients of (7.5) are still there. In (7.10) nothing is divided but by the sum at the end.
     """
     h = distances_to_edges(center, rim, x)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -420,8 +420,9 @@ def products(center, neighbors, cells, h, left_out=3):
 
 @answers("08.10")
 def quotients_again(center, neighbors, cells, x):
-    """Inside the cell this is right; on its edges and corners it is zero by zero, because the
-    quotients of (8.2) are still there. In (8.6) nothing is divided but by the sum at the end.
+    """Inside the cell this is right; on its faces, edges and corners weights are divided by zero,
+    because the quotients of (8.2) are still there. In (8.6) nothing is divided but by the sum at
+    the end.
     """
     h = right_heights(center, neighbors, x)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -441,7 +442,7 @@ def own_heights_above(center, neighbors, cells, x):
 @answers("08.10")
 def two_left_out_as_in_the_plane(center, neighbors, cells, x):
     """Only two heights are left out for each corner, as in the plane. Three faces meet there, and
-    the third makes the corner vanish on it.
+    the third height makes the coordinate of the corner zero on its own face.
     """
     return normalised(
         products(center, neighbors, cells, right_heights(center, neighbors, x), left_out=2)

@@ -115,8 +115,8 @@ def conditions_ignored(a, p):
 
 @answers("09.2")
 def eigenvalue_of_the_whole_system(a, p):
-    """This is the smallest eigenvalue of the matrix of (9.3), which has as many negative
-    eigenvalues as there are conditions, for any kernel. (9.6) is about A on a subspace.
+    """This is the smallest eigenvalue of the matrix of (9.3). It has a negative eigenvalue for each
+    independent condition, for any kernel. (9.6) is about A on a subspace.
     """
     return np.linalg.eigvalsh(bordered(a, p))[0]
 
@@ -463,7 +463,7 @@ def never_cut_off(r, d, s):
 
 @answers("09.5")
 def cut_off_by_size(r, d, s):
-    """The size of 1 - r was taken, not its positive part: the function is not zero beyond 1. Look
+    """The absolute value of 1 - r was taken, not its positive part: the function is not zero beyond 1. Look
     at what happens there for the distance 2.
     """
     ell = d // 2 + s + 1
@@ -595,7 +595,8 @@ def seen_from_the_first_point(points):
 @answers("09.6")
 def as_near_as_each_other(points):
     """At this time the third point is equally far from both: the triangle is isosceles, and as
-    far from flat as it can be. Flat it is when the line of the two points at the third.
+    far from flat as it can be. It is flat when the line through the moving points contains the
+    third.
     """
     return (turned_by(points) / np.pi + 0.5) % 1
 
@@ -660,7 +661,7 @@ def squares_without_sign(x):
 
 @answers("09.7")
 def cubes_without_size(x):
-    """The first block is z³ and not its size. A kernel is a function of the distance, the same to
+    """The first block is z³ and not its absolute value. A kernel is a function of the distance, the same to
     the left and to the right; z³ is a polynomial, and its matrix has the rank four at most.
     """
     a = blocks(x)

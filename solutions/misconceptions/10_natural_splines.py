@@ -101,7 +101,7 @@ def cube(z):
 @answers("10.2")
 def cubes_with_a_sign(sites, values):
     """The cubes have the sign of x − y, so they are polynomials, and their sum is one polynomial of
-    degree three. What do the bars in (10.5) mean?
+    degree three at most. What do the bars in (10.5) mean?
     """
     n = len(sites)
     h = np.zeros((n + 2, n + 2))
@@ -522,8 +522,8 @@ def jump_not_divided(sites, values, bends):
 
 @answers("10.5")
 def third_derivative_itself(sites, values, bends):
-    """These are the third derivatives to the right of each site, and not their jumps. Each
-    coefficient in (10.1) is only the change.
+    """These are sixths of the third derivatives to the right of each site, and not of their jumps.
+    Each coefficient in (10.1) is only the change.
     """
     line = first_line(sites, values, slope_at_left(sites, values, bends))
     return thirds(sites, bends)[1:] / 6, line
@@ -692,8 +692,8 @@ def recursion(t, degree, x, b, rising=1.0, falling=1.0):
 @answers("10.7")
 def counted_twice_at_knots(knots, degree, x):
     """At a knot two functions of degree zero are one: your intervals contain both of their ends.
-    Then the sum is two there, and so are the values of higher degree. Which end belongs to an
-    interval in (10.11)?
+    Then the sum is two there, and values of higher degree are too large, too. Which end belongs to
+    an interval in (10.11)?
     """
     return recursion(knots, degree, x, steps(knots, x, closed=True))
 
@@ -783,8 +783,8 @@ def denominators_slipped(knots, degree, x):
 
 @answers("10.7")
 def divided_by_the_support(knots, degree, x):
-    """Each function is divided by the length of its support. So they have equal integrals and do
-    not sum to one: this is another normalization, which one finds in books as well.
+    """Each function is multiplied by k + 1 and divided by the length of its support. So each has
+    the integral one, and they do not sum to one: another normalization, also found in books.
     """
     b = recursion(knots, degree, x, steps(knots, x))
     width = knots[degree + 1 :] - knots[: -degree - 1]

@@ -256,8 +256,8 @@ def by_angle(normals):
 
 @answers("11.3")
 def away_from_the_middle(points, normals, linked):
-    """The normals were oriented away from the mean of the cloud. This works for convex bodies only.
-    On the inner side of the horseshoe the outside is towards the mean.
+    """The normals were oriented away from the mean of the cloud. This works for convex bodies. On
+    the inner side of the horseshoe the outside is towards the mean.
     """
     away = np.sum((points - points.mean(axis=0)) * normals, axis=1)
     return np.where(away < 0, -1, 1)[:, None] * normals

@@ -344,8 +344,8 @@ def squares_without_direction(nodes, points):
 
 @answers("12.7")
 def unit_vector_at_the_constant(nodes, points):
-    """The 1 of the unit vector is one entry too early, at the position of the constant. The order
-    in b(y) is: N distances, the 1, the coordinates.
+    """The 1 of the unit vector is one entry too early, for the first axis at the position of the
+    constant. The order in b(y) is: N distances, the 1, the coordinates.
     """
     found = []
     for k in range(nodes.shape[1]):
@@ -673,7 +673,9 @@ def stiffness_alone(K, H, A):
 
 @answers("12.11")
 def made_symmetric(K, H, A):
-    """The eigenvalues of the symmetric part were taken. In general HᵀAH is not symmetric."""
+    """The eigenvalues of the symmetric part were taken. In general K⁻¹HᵀAH is not symmetric, even
+    if HᵀAH is.
+    """
     found = np.linalg.solve(K, H.T @ A @ H)
     return 1 / np.linalg.eigvalsh((found + found.T) / 2).max()
 

@@ -557,7 +557,9 @@ def multiplied(u, low, high, m, total):
 
 @answers("13.9")
 def areas_ignored(u, low, high, m, total):
-    """The sum of the values is right, but the areas m are missing: mass is value times area."""
+    """The plain mean of the values is M / Σm, but the areas m are missing: mass is value times
+    area.
+    """
     return halved(
         u, low, high, np.ones(len(m)), total * len(m) / m.sum(), (low - u).min(), (high - u).max()
     )

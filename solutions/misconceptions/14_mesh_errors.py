@@ -494,8 +494,8 @@ def normals_of_neighbours(points, triangles):
 
 @answers("14.6")
 def away_from_the_middle(points, triangles):
-    """The triangles were oriented away from the mean of all points. This works for convex bodies
-    only, and the first triangle of each part must stay.
+    """The triangles were oriented away from the mean of all points. This works for convex bodies,
+    but not for all others, and the first triangle of each part must stay.
     """
     middle = points.mean(axis=0)
     out = np.einsum("ij,ij->i", normals(points, triangles), points[triangles].mean(axis=1) - middle)

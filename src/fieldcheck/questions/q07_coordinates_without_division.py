@@ -169,8 +169,8 @@ def is_rotation_invariant(_: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 @law(
-    "On an edge only its two corners may have a weight, in the ratio of the distances, and in a "
-    "corner only this corner."
+    "On an edge only its two corners may have a weight, each in proportion to the distance from "
+    "the other corner, and in a corner only this corner."
 )
 def is_linear_on_edges(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the weights from three quarters and one quarter, a quarter of the way

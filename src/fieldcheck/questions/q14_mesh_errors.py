@@ -259,8 +259,8 @@ def count_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law(
-    "All sides of an edge must have the same count, and as many sides as the surface has must "
-    "have the count 1, 2, and so on."
+    "All sides of an edge must have the same count, and the numbers of sides with the count 1, "
+    "2, 3 and so on must be those of the surface."
 )
 def counts_are_as_constructed(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the counts from the known ones, and from each other along an edge."""

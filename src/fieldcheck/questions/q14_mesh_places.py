@@ -116,8 +116,8 @@ def weld_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law(
-    "Each vertex must be replaced by one within the tolerance, and no earlier vertex may be within "
-    "the tolerance."
+    "Each vertex must be replaced by one within the tolerance, and no vertex before that one may "
+    "be within the tolerance."
 )
 def is_the_first_coincident_vertex(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the number of vertices that map to no vertex, a distant one, or not the first one."""

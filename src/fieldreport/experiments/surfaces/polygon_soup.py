@@ -255,7 +255,7 @@ def plot_bodies(result: Result) -> Figure:
 
 
 def plot_orders(result: Result) -> Figure:
-    """Draw the distance of the level set from the faces of a cube, and the errors of quadrature."""
+    """Draw the largest values on the faces and edges of a cube, and the errors of quadrature."""
     a, params = result.arrays, result.params
     with figure(height=2.3, columns=2) as (page, (left, right)):
         for name, values, look in zip(
