@@ -654,9 +654,10 @@ def too_many_variables(d, s):
 # **What to look at.** The right panel shows the smallest eigenvalue of the matrix of your function
 # for lattices in one, two and three variables. The function $\psi_{1,0} = (1-r)_+$ is positive
 # definite on the line. In the plane its matrix has a negative eigenvalue, and in space one that is
-# farther below zero, although all points are distinct. The other functions stay positive on these lattices. Such a
-# test can refute positive definiteness, but it cannot prove it. For instance, $\psi_{1,1}$ is not
-# positive definite in two variables, but only lattices with about two thousand points show it.
+# farther below zero, although all points are distinct. The other functions stay positive on these
+# lattices. Such a test can refute positive definiteness, but it cannot prove it. For instance,
+# $\psi_{1,1}$ is not positive definite in two variables, but only lattices with about two thousand
+# points show it.
 
 # %% [markdown]
 # ## The Mairhuber–Curtis theorem

@@ -463,8 +463,8 @@ def never_cut_off(r, d, s):
 
 @answers("09.5")
 def cut_off_by_size(r, d, s):
-    """The absolute value of 1 - r was taken, not its positive part: the function is not zero beyond 1. Look
-    at what happens there for the distance 2.
+    """The absolute value of 1 - r was taken, not its positive part: the function is not zero
+    beyond 1. Look at what happens there for the distance 2.
     """
     ell = d // 2 + s + 1
     return np.abs(1 - r) ** (ell + s) * ((ell + 1) * r + 1 if s else 1)
@@ -661,8 +661,8 @@ def squares_without_sign(x):
 
 @answers("09.7")
 def cubes_without_size(x):
-    """The first block is z³ and not its absolute value. A kernel is a function of the distance, the same to
-    the left and to the right; z³ is a polynomial, and its matrix has the rank four at most.
+    """The first block is z³ and not its absolute value. A kernel is a function of the distance, the
+    same to the left and to the right; z³ is a polynomial, and its matrix has the rank four at most.
     """
     a = blocks(x)
     n = len(x)
