@@ -33,7 +33,8 @@ SHORT_BITS = 24
 LARGEST_DENOMINATOR, LARGEST_NUMERATOR = 1000, 10**6
 """Ratios of integers up to these are not secret: they are answers to questions about integers."""
 ROUNDING = 1e-13
-"""A part of the largest number of a call: smaller ones are rounding errors, and not secret."""
+"""Numbers smaller than this, and than this part of the largest of their call, are not secret: they
+are rounding errors. Where lengths are 10¹², weights of size one remain secret."""
 LONG_NUMBER = re.compile(r"-?\d*\.?\d+(?:e[-+]?\d+)?", re.IGNORECASE)
 TOKEN = re.compile(
     r"(?P<word>(?:\.?[^\W\d]\w*)+|\.?\d[\w.]*(?:(?<=[eE])[-+]\d+)?|\*\*|//|[=!<>]=|[-+*/@%<>&|^~])"
@@ -126,7 +127,7 @@ def _arrays(calls: Sequence[Call], answers: Sequence[Values]) -> Iterator[np.nda
         given = call.arguments if call else ()
         arrays = [np.asarray(a, dtype=float) for a in (*given, *(values or ()))]
         finite = [np.where(np.isfinite(a), a, 0.0) for a in arrays]
-        rounding = ROUNDING * max(np.abs(a).max(initial=0.0) for a in finite)
+        rounding = ROUNDING * min(1.0, max(np.abs(a).max(initial=0.0) for a in finite))
         yield from (np.where(np.abs(a) > rounding, a, 0.0) for a in finite)
 
 

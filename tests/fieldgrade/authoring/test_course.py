@@ -513,6 +513,11 @@ def test_rounding_errors_and_short_numbers_are_not_a_leak(answer, public, is_lea
     assert bool(list(leaks.number_leaks((), answers, written(*public)))) == is_leak
 
 
+def test_weights_beside_huge_lengths_are_secret():
+    call, answers = Call("f", (1e14 * np.ones(3),), "another unit"), [(np.sqrt([2, 3]),)]
+    assert list(leaks.number_leaks([call], answers, written(*np.sqrt([2, 3]))))
+
+
 def test_a_number_of_a_public_call_is_not_a_leak():
     """An angle or a distance may be the same for all students; other numbers beside it are not."""
     answers = [(np.sqrt([2, 3, 5]),)]
