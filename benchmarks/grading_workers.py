@@ -26,20 +26,21 @@ from fieldgrade.isolation.server import Server
 COLUMNS = ("assignment", "workers", "cores", "seconds", "least", "most", "speed-up", "range of it")
 SHAPES = ((1, 1), (1, 2), (2, 2))
 """Numbers of workers and of cores for all of them."""
-WARM_UP = 10
-"""Number of submissions at the start of each round that are not timed."""
 
 
 @dataclass(frozen=True)
 class Size:
+    """``warm_up`` submissions at the start of each round are not timed."""
+
     submissions: int = 100
+    warm_up: int = 10
     assignments: tuple[str, ...] = (SMALL, LARGE)
     repeats: int = 3
 
 
 FULL = Size()
 QUICK = Size(submissions=20, repeats=1)
-TOY = Size(submissions=2, assignments=(SMALL,), repeats=1)
+TOY = Size(submissions=2, warm_up=1, assignments=(SMALL,), repeats=1)
 
 
 def run(size: Size, track: Track) -> BenchmarkResult:
@@ -48,13 +49,13 @@ def run(size: Size, track: Track) -> BenchmarkResult:
     for name in size.assignments:
         with TemporaryDirectory() as scratch:
             folder = Path(scratch)
-            for k in range(WARM_UP + size.submissions):
+            for k in range(size.warm_up + size.submissions):
                 file = folder / "in" / f"s{k:03}" / "work.ipynb"
                 file.parent.mkdir(parents=True)
                 file.write_bytes(BenchmarkAssignment(name).submission(k))
             seconds: dict[tuple[int, int], list[float]] = {shape: [] for shape in SHAPES}
             for shape in track([*SHAPES] * size.repeats, f"grading_workers, {name}"):
-                seconds[shape].append(_seconds(folder, tier, *shape))
+                seconds[shape].append(_seconds(folder, tier, size.warm_up, *shape))
         rows += [_row(name, shape, seconds) for shape in seconds]
     return BenchmarkResult(
         tables=[Table("Seconds for each submission", COLUMNS, rows)],
@@ -65,13 +66,13 @@ def run(size: Size, track: Track) -> BenchmarkResult:
     )
 
 
-def _seconds(folder: Path, tier: str, workers: int, cores: int) -> float:
+def _seconds(folder: Path, tier: str, warm_up: int, workers: int, cores: int) -> float:
     """Seconds per submission of a class that is graded without a cache."""
     with TemporaryDirectory() as out:
         plan = GradingRun(folder / "in", Path(out), ROOT, tier=tier, jobs=workers)  # type: ignore[arg-type]
         with threads(cores), _batch(plan, workers) as batch:
             ends = [time.perf_counter() for _ in batch.records(plan.tasks())]
-    return (ends[-1] - ends[WARM_UP - 1]) / (len(ends) - WARM_UP)
+    return (ends[-1] - ends[warm_up - 1]) / (len(ends) - warm_up)
 
 
 @contextmanager

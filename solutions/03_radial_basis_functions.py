@@ -128,8 +128,8 @@ print(distances(np.array([[0.0, 0.0], [3.0, 4.0]]), np.array([[0.0, 0.0], [3.0, 
 # ### 03.1 The kernel
 #
 # Write $w$ for any number of vectors at once. The last axis holds the coordinates. An array of
-# shape $(5, 2)$ has five vectors of the plane. An array of shape $(4, 6, 3)$ has a $4 \times 6$
-# table of vectors in space.
+# shape $(5, 2)$ has five vectors of the plane, and one of shape $(2,)$ is a single vector. An
+# array of shape $(4, 6, 3)$ has a $4 \times 6$ table of vectors in space.
 #
 # <details><summary>Hint</summary>
 #

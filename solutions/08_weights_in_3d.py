@@ -202,8 +202,9 @@ print(edge_lengths(np.array([1, 1, 1]), np.array([[3, 1, 1], [1, 4, 5]])))
 # ### 08.1 The volume
 #
 # Write a function that returns $V$ of (8.3). A volume must be positive for every order of the
-# corners. The tetrahedron may be nearly flat. Here and in the other questions of this notebook the
-# points may have any unit of length and may be far from the origin, so use differences of points.
+# corners. The tetrahedron may be nearly flat, and three of its corners may lie nearly on a line.
+# Here and in the other questions of this notebook the points may have any unit of length and may be
+# far from the origin, so use differences of points.
 
 
 # %% question="08.1" minutes=15

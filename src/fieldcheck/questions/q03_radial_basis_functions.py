@@ -135,6 +135,8 @@ def kernel_inputs(seed: int) -> tuple[Call, ...]:
             ),
             "five vectors in space of the numbers −1, 0 and 1",
         ),
+        ((random.normal(size=2),), "a single vector of the plane"),
+        ((random.normal(size=3),), "a single vector in space"),
     )
 
 

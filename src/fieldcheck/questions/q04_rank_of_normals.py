@@ -200,6 +200,12 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
                 (101, "101 samples, parallel normals but for the last three"),
             )
         ),
+        (nine[[*range(8), 0]], directions(random, 9), "nine samples, first and last at one point"),
+        (
+            space[[*range(13), 0]],
+            sphere(random, 14),
+            "fourteen samples in space, first and last at one point",
+        ),
     )
     return (
         *(Call("velocity_rank", (p, n), case) for p, n, case in general),
@@ -210,7 +216,7 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
 RANKS = (
     *(6, 5, 6, 6, 6, 12, 12, 6, 6, 12, 5, 5, 4, 4, 6, 6, 6, 6),
     *(4, 4, 3, 5, 5, 8, 3, 3, 4, 6, 6, 6, 12),
-    *(6, 12, 6, 6),
+    *(6, 12, 6, 6, 6, 12),
 )
 
 

@@ -138,6 +138,7 @@ def system_inputs(seed: int) -> tuple[Call, ...]:
         ((1e-4 * few[0], few[1], 1e-4 * few[2]), "four samples, all lengths of the size 10⁻⁴"),
         ((1e5 * p, n, 1e5 * x), "nine samples, all lengths of the size 10⁵"),
         (samples(random, 67), "sixty-seven samples"),
+        *((samples(random, 6), words) for words in ("six samples", "six other samples")),
         (
             (integers(p), along_axes(random, 9, 2), integers(x)),
             "nine samples, all numbers integers",

@@ -53,8 +53,8 @@ def tetrahedra(name: str, seed: int) -> tuple[Call, ...]:
 
 
 def volume_inputs(seed: int) -> tuple[Call, ...]:
-    """Return the tetrahedra, two slivers, two of the tetrahedra far from the origin, and two small
-    ones.
+    """Return the tetrahedra, two slivers, two with a needle as a face, two of the tetrahedra far
+    from the origin, and two small ones.
     """
     near = tetrahedra("volume", seed)
     random = np.random.default_rng(seed + 1)
@@ -65,6 +65,11 @@ def volume_inputs(seed: int) -> tuple[Call, ...]:
         four = in_short_binary_numbers(np.vstack([three, random.dirichlet([9, 9, 9]) @ three]))
         four[3] += in_short_binary_numbers(above)
         calls.append(Call("volume", tuple(four[list(order)]), case, exact=(0, 1, 2, 3)))
+        ends = in_short_binary_numbers(three[1:])
+        beside = in_short_binary_numbers((ends[0] + ends[1]) / 2 + above)
+        thin = np.vstack([ends, beside, four[0] + np.array([0, 0, 1])])[list(order)]
+        words = f"{case} with three corners nearly on a line"
+        calls.append(Call("volume", tuple(thin), words, exact=(0, 1, 2, 3)))
     for call, case in (
         (near[0], "the first tetrahedron, 10⁴ away"),
         (near[3], "a flat tetrahedron, 10⁴ away"),

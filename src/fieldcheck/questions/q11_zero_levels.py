@@ -8,7 +8,6 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.question import Question, law, law_of_each, relative
-from fieldcheck.questions.q10_natural_splines import nothing_for_rounding
 from fieldcheck.questions.q11_point_clouds import horseshoe, moved_far, outward, oval, torus
 
 
@@ -43,6 +42,8 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
         ((whole, np.zeros(9)), "nine values that are zero"),
         ((4 * whole, random.normal(size=9)), "nine sites about 20 apart"),
         ((2.0**-7 * whole, random.normal(size=9)), "nine sites about 0.04 apart"),
+        ((2.0**16 * whole, random.normal(size=9)), "nine sites about 3 · 10⁵ apart"),
+        ((2.0**18 * whole, 1e3 * random.normal(size=9)), "nine sites about 10⁶ apart"),
         ((random.normal(size=(3, 2)), random.normal(size=3)), "three sites in the plane"),
         ((random.normal(size=(4, 3)), random.normal(size=4)), "four sites in space"),
     )
@@ -67,6 +68,16 @@ def fit_shapes(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((n,), (d + 1,))
 
 
+def nothing_for_rounding(call: Call, values: Values) -> Values:
+    """Return the coefficients, with λ set to zero where its terms are rounding errors of the
+    values: D + 1 sites have an affine field.
+    """
+    (weights, plane) = values
+    sites, wanted = call.arguments
+    terms = np.abs(weights) * np.ptp(sites, axis=0).max() ** 3
+    return np.where(terms > 1e-12 * np.abs(wanted).max(), weights, 0.0), plane
+
+
 @law_of_each(
     "F must take the given values at the sites, and λ must satisfy the side conditions.", 1e-7
 )
@@ -74,9 +85,10 @@ def meets_values_and_side_conditions(call: Call, values: Values) -> float:
     """Return the largest difference from the values, and the residual of the side conditions."""
     (weights, plane) = values
     sites, wanted = call.arguments
-    moments = weights @ np.insert(sites, 0, 1.0, axis=1)
     missed = relative(cubes(sites, sites, weights, plane) - wanted, wanted)
-    return max(missed, relative(moments, weights) if abs(weights).max() > 1e-9 else 0.0)
+    (weights, _) = nothing_for_rounding(call, values)
+    moments = weights @ np.insert(sites, 0, 1.0, axis=1)
+    return max(missed, relative(moments, weights) if weights.any() else 0.0)
 
 
 # 11.6 and 11.7 The field, its gradient, and projection onto its zero level
@@ -266,12 +278,15 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
     )
     signs = np.where(kinds == 1, 1, -1)
     distance = oval(random, 12)[:, :1] + np.array([[1.5, 2.0, 2.5, 3.0]])
+    tiny = np.array([1, 1, 2.0**-600, 2.0**-600])
     different = calls_of(
         "pieces",
         ((signs * random.integers(1, 99, (12, 4)),), "twelve squares with whole numbers"),
         ((2.0**-34 * signs[::-1] * distance,), "the same kinds with values of the size 10⁻¹⁰"),
         ((2.0**-600 * signs * distance,), "the same kinds with values of the size 10⁻¹⁸⁰"),
         ((random.permutation(signs * distance)[:1],), "one square"),
+        ((signs * distance * tiny,), "the same kinds with two values of the size 10⁻¹⁸⁰"),
+        ((signs * distance * tiny[[2, 0, 1, 3]],), "the same kinds with two other tiny values"),
     )
     return (
         *different,

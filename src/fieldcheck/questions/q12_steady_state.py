@@ -66,6 +66,8 @@ def iterates_inputs(seed: int) -> tuple[Call, ...]:
         ((one[0] / 6, *one[1:], 0.8, 4), "a section beyond divergence"),
         ((behind[0] / 20, *behind[1:], 1.0, 5), "a section whose iterates alternate and grow"),
         ((k / 30, h, rest, slope, 1.2, 4), "a chain of three soft springs"),
+        ((behind[0] / 20, *behind[1:], 1.0, 40), "a section whose iterates become very large"),
+        ((k / 60, h, rest, slope, 1.1, 60), "a chain of three springs far beyond divergence"),
         ((k, h, 0 * rest, slope, 0.8, 3), "a chain of three nodes without loads at rest"),
         ((k, h, rest, 0 * slope, 1, 3), "a chain of three nodes, with A zero and ω = 1"),
         ((k, h, rest, slope[::-1], 0.8, 4), "the same chain with another A"),

@@ -71,6 +71,8 @@ def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
         ),
         ((x, t, 1.0, 0), "a step of a whole period in the solid rotation"),
         ((x[:5], t, 2.0, 0), "a step of two whole periods in the solid rotation"),
+        ((in_square(random, 2), 0.5, 0.25, 2), "a step from the time 1/2 in the deformation flow"),
+        ((0.7 * x[:4], 1.5, 0.3, 2), "a step from the time 3/2 in the deformation flow"),
     )
 
 

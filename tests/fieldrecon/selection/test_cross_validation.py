@@ -20,8 +20,10 @@ ALONE = {name: model for name, model in MODELS.items() if not model.parts}
 
 
 def scores(points, values):
-    validator = CrossValidator.of(points, values)
-    return [validator.evaluate(candidate) for candidate in MODELS.values()]
+    validator, known = CrossValidator.of(points, values), []
+    for candidate in MODELS.values():
+        known.append(validator.evaluate(candidate, known=known))
+    return known
 
 
 def field_of(points, values):
