@@ -16,7 +16,9 @@ def matrix_in_four_dimensions(seed):
     )
 
 
-@hidden("01.1", "It must be right for every unit of length, and far from the origin.")
+@hidden(
+    "01.1", "It must be right for all coordinates, in every unit, near and far from the origin."
+)
 def matrix_in_other_units(seed):
     random = np.random.default_rng(seed + 3)
     return (

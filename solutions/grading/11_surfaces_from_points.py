@@ -209,8 +209,8 @@ def in_four_dimensions(seed):
 
 @hidden(
     "11.7",
-    "It must hold in every dimension and every unit, for one point, for whole numbers, and for no "
-    "steps at all.",
+    "Each point must make all its steps, wherever the others are, in every dimension and unit. "
+    "There may be one point, or no steps at all.",
 )
 def no_steps(seed):
     random = np.random.default_rng(seed + 7)

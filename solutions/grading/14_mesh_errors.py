@@ -143,7 +143,9 @@ def many_loops(seed):
 
 
 @hidden(
-    "14.5", "Fans may be open or closed, of any number of triangles, and several of both may meet."
+    "14.5",
+    "Fans may be open or closed, of any number of triangles, in any order and direction, and "
+    "several of both may meet.",
 )
 def open_and_closed(seed):
     random = np.random.default_rng(seed + 5)

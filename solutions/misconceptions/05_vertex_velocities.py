@@ -495,8 +495,8 @@ def weights_forgotten(midpoints, normals, v, x, w):
 
 @answers("05.8")
 def weights_not_squared(midpoints, normals, v, x, w):
-    """In the normal equations the weights enter once, not squared. Each row of (5.7) is multiplied
-    by w, and the normal equations multiply two rows by each other.
+    """Each row is multiplied by the root of its weight, or the normal equations contain the weights
+    once. In (5.7) each row is multiplied by w itself, so normal equations contain w².
     """
     root = np.sqrt(w)
     return solved(root[:, None] * rows(midpoints, normals, x), root * v)[:2]

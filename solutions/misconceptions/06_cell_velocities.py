@@ -329,8 +329,8 @@ def middle_of_the_box(q):
 
 @answers("06.4")
 def lengths_not_squared(q):
-    """The right side of (6.5) has the lengths of the sides as they are. A length on one side and
-    a product of two lengths on the other cannot be equal in every unit. Look at the exponent.
+    """Your right side contains the lengths of the sides, where (6.5) has another power of them. A
+    length cannot be equal to a product of two lengths in every unit. Look at the exponent.
     """
     d = q[1:] - q[0]
     return q[0] + np.linalg.solve(2 * d, np.hypot(*d.T))
@@ -573,7 +573,7 @@ def area_with_a_sign(q, v, x):
 @answers("06.8")
 def from_the_middles(q, v, x):
     """The vectors start at the midpoints of the sides. In (6.8) they start at the opposite corners:
-    only then is each term parallel to the two other sides.
+    only then is each term parallel to the two other sides along these sides.
     """
     middles = (np.roll(q, -1, axis=0) + np.roll(q, -2, axis=0)) / 2
     return ((v * lengths(q))[:, None] * (x - middles)).sum(axis=0) / (2 * abs(signed_area(q)))

@@ -173,7 +173,7 @@ def sign_left_in(center, tips):
 @answers("08.4")
 def lengths_left_in(center, tips):
     """The vectors have the lengths of the edges. This is six times the volume of the tetrahedron,
-    one side of what you are about to prove. In (8.1) the normals have length one.
+    the numerator in what you are about to prove. In (8.1) the normals have length one.
     """
     return abs(np.linalg.det(tips - center))
 

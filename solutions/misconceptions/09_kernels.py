@@ -524,7 +524,7 @@ def factor_forgotten(r, d, s):
 
 @answers("09.5")
 def ell_in_the_factor(r, d, s):
-    """In the factor r is multiplied by ℓ and should be by one more. Then the slope at zero is not
+    """In the factor r is multiplied by ℓ and should be by one more. With ℓ the slope at zero is not
     zero, and the function has a corner there.
     """
     ell = d // 2 + s + 1
@@ -635,8 +635,8 @@ def derivative_by_the_wrong_argument(x):
 
 @answers("09.7")
 def sign_of_the_second_derivative(x):
-    """The block of slopes by slopes has the wrong sign. It is derived twice, once by x and once
-    by y, and the second one changes the sign. With the plus the form is not positive.
+    """The block of slopes by slopes has the wrong sign. It is differentiated twice, once by x and
+    once by y, and the second one changes the sign. With the plus the form is not positive.
     """
     return bordered(blocks(x, second=6.0), sides(x))
 

@@ -38,8 +38,8 @@ def line_not_halved(sites, alpha, beta):
 
 @answers("10.1")
 def binomial_forgotten(sites, alpha, beta):
-    """The slope lacks a factor. In the expansion of a cube the two middle terms have the factor
-    three; the constant is right.
+    """What is added to the slope lacks a factor. In the expansion of a cube the two middle terms
+    have the factor three; the constant is right.
     """
     return converted(sites, alpha, beta, slope=0.5)
 
@@ -54,8 +54,8 @@ def signs_of_the_expansion(sites, alpha, beta):
 
 @answers("10.1")
 def all_signs_plus(sites, alpha, beta):
-    """The constant has the wrong sign. The expansion of (x - y)³ ends with the third power of y,
-    taken negative; the slope is right.
+    """What is added to the constant has the wrong sign. The expansion of (x - y)³ ends with the
+    third power of y, taken negative; the slope is right.
     """
     return converted(sites, alpha, beta, constant=0.5)
 
@@ -218,9 +218,9 @@ def tridiagonal(sites, values, diagonal=1 / 3, side=1 / 6, even=False, right=Non
 
 @answers("10.3")
 def second_differences(sites, values):
-    """These are difference quotients of the values: an estimate of s″ at each site by itself,
-    which is what the right side of (10.7) is for. The moments are coupled: each equation has
-    three of them.
+    """These are difference quotients of the values: an estimate of s″ at each site by itself. A
+    multiple of it is the right side of (10.7). The moments are coupled: each equation has three of
+    them.
     """
     return tridiagonal(sites, values, diagonal=0.5, side=0.0)
 

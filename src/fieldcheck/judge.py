@@ -22,6 +22,9 @@ TIMEOUT_FACTOR = 4.0
 NOT_RECOGNISABLE = ("missing", "unwritten", "endless", "modified", "slow")
 """Failures that are reported as they are; the values of a slow answer are right."""
 
+LARGEST_WHOLE = 2.0**53
+"""All numbers of at least this size are whole."""
+
 IN_PLACE = " An array of integers takes no decimals, not even by `-=`; `x.astype(float)` does."
 """What to do about NumPy's error, which does not say it in these words."""
 
@@ -151,7 +154,8 @@ def _array_form(
             "not finite",
             (
                 f"For {call.case}, {bad} of {sum(v.size for v in values)} values are "
-                "NaN or infinite. Look for a division by zero, or a logarithm of zero."
+                "NaN or infinite. Look for a division by zero, or for a logarithm or a root of a "
+                "number that is zero or negative."
             ),
         )
     if outcome.modified:
@@ -160,7 +164,8 @@ def _array_form(
             "modified",
             (
                 f"{question.function} changes its argument number {which}, which belongs to the "
-                "caller. Operators such as += work in place: take a copy first."
+                "caller. Operators such as += and methods such as sort work in place: take a copy "
+                "first."
             ),
         )
 
@@ -241,12 +246,13 @@ def _difference(
     compared = question.normal_form(call, right)[part]
     tolerance = max(question.tolerance(call), LEAST_TOLERANCE) * scale(compared)
     off = units[part].max() * tolerance
-    entry = _entry(units[part], part, len(units))
+    entry = _entry(units[part], part, len(units), _order_is_open(question, call, right, part))
     if np.isclose(off, 1) and are_truth_values(answers):
         return f"For {call.case}, {entry} {_of_two(compared.flat[int(np.argmax(units[part]))])}."
     text = f"For {call.case}, {entry} is off by {off:.2g}."
     if _whole(wanted):
-        return f"{text} All values here are whole numbers."
+        which = "All right values here" if len(units) == 1 else "All right values of this array"
+        return f"{text} {which} are whole numbers."
     return (
         f"{text} The largest right value is {scale(wanted):.2g}; rounding explains {tolerance:.0e}."
     )
@@ -264,12 +270,29 @@ def _off(deviation: float, tolerance: float) -> str:
 
 
 def _whole(values: np.ndarray) -> bool:
-    return bool((values == np.round(values)).all())
+    """Return whether all values are whole numbers, and not just so large that decimals are lost."""
+    return bool((values == np.round(values)).all() and (np.abs(values) < LARGEST_WHOLE).all())
 
 
-def _entry(units: np.ndarray, part: int, parts: int) -> str:
+def _order_is_open(question: Question, call: Call, right: Values, part: int) -> bool:
+    """Return whether rows or columns may come in another order, so that an index says nothing."""
+    value = right[part]
+    others = [np.flip(value, axis) for axis in range(value.ndim)]
+    form = question.normal_form(call, right)[part]
+    return any(
+        not np.array_equal(other, value)
+        and np.array_equal(
+            question.normal_form(call, (*right[:part], other, *right[part + 1 :]))[part], form
+        )
+        for other in others
+    )
+
+
+def _entry(units: np.ndarray, part: int, parts: int, order_is_open: bool) -> str:
     if units.ndim == 0:
         return f"the {ORDINALS[part]} number" if parts > 1 else "the number"
+    if order_is_open:
+        return f"an entry of the {ORDINALS[part]} array" if parts > 1 else "an entry"
     index = np.unravel_index(int(np.argmax(units)), units.shape)
     entry = f"entry [{', '.join(str(int(i)) for i in index)}]"
     return f"{entry} of the {ORDINALS[part]} array" if parts > 1 else entry

@@ -35,6 +35,12 @@ FACTORS = {
 }
 
 
+NEARLY_ONE = 1e-3
+"""Factors this close to one may be rounding errors, which have another factor in each case."""
+
+HERE = "Among the inputs of this check, your values are"
+"""What holds for these inputs need not hold for all others."""
+
 SPACES = {1: "on a line", 2: "in the plane", 3: "in space"}
 """Where points with so many coordinates are; wider tables contain something else."""
 
@@ -45,7 +51,7 @@ class Case:
 
     `rows` and `dimension` are the numbers of rows and columns of the first table among the
     arguments, whose rows are points in most questions; `whole` contains the positions of the arrays
-    of integers.
+    of integers. `moved` states whether the normal form is relative to the first corner.
     """
 
     name: str
@@ -55,6 +61,7 @@ class Case:
     values: Values
     right: Values
     tolerance: float
+    moved: bool
 
     @property
     def pairs(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
@@ -72,6 +79,10 @@ class Case:
     def right_if(self, changed: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> bool:
         """Return whether the values are right once `changed(value, right)` replaces them."""
         return all(self.same(changed(v, r), r) for v, r in self.pairs)
+
+
+Kind = Callable[[Sequence[Case]], str]
+"""A pattern: the sentence if all wrong cases have it, else nothing."""
 
 
 def pattern(
@@ -96,6 +107,7 @@ def pattern(
             question.normal_form(call, v),
             question.normal_form(call, r),
             max(question.tolerance(call), LEAST_TOLERANCE),
+            any(z.any() for z in question.normal_form(call, tuple(map(np.zeros_like, r)))),
         )
         for call, v, r in zip(calls, values, right, strict=True)
     ]
@@ -104,10 +116,26 @@ def pattern(
         return ""
     # A wrong rank is no multiple of the right one, even if it happens to be twice as large.
     factor = () if _are_single_whole_numbers(right) else (_factor,)
-    arithmetic = () if are_truth_values(right) else (_zero, *factor, _signs, _offset)
-    kinds = (_single_precision, *arithmetic, _outputs, _order, _positions)
-    found = _integers(cases, wrong) or next(filter(None, (kind(wrong) for kind in kinds)), "")
+    arithmetic = () if are_truth_values(right) else (_zero, *factor, _signs)
+    kinds = (*map(_from_the_corner, arithmetic), _offset, _outputs, _order, _positions)
+    found = (
+        _integers(cases, wrong)
+        or _single_precision(cases, wrong)
+        or next(filter(None, (kind(wrong) for kind in kinds)), "")
+    )
     return " ".join(filter(None, (_where(cases, wrong), found)))
+
+
+def _from_the_corner(kind: Kind) -> Kind:
+    """Return a pattern that says from where positions are taken, if not from the origin."""
+
+    def found(wrong: Sequence[Case]) -> str:
+        sentence = kind(wrong)
+        if not sentence or not any(case.moved for case in wrong):
+            return sentence
+        return f"Seen from the first corner, {sentence[0].lower()}{sentence[1:]}"
+
+    return found
 
 
 def are_truth_values(answers: Sequence[Values]) -> bool:
@@ -123,9 +151,10 @@ def _are_single_whole_numbers(answers: Sequence[Values]) -> bool:
 def _where(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
     right = [case for case in cases if case not in wrong]
     if len(wrong) == 1 < len(cases):
-        return f"Your values are wrong only for {wrong[0].name}."
+        return f"{HERE} wrong only for {wrong[0].name}."
     if len(right) == 1:
-        return f"Your values are right only for {right[0].name}."
+        is_zero = not any(r.any() for r in right[0].right)
+        return "" if is_zero else f"{HERE} right only for {right[0].name}."
     return _dimensions(
         {case.dimension for case in right}, {case.dimension for case in wrong}
     ) or _sizes({case.rows for case in right}, {case.rows for case in wrong})
@@ -141,7 +170,7 @@ def _dimensions(right: set[int], wrong: set[int]) -> str:
     if not right or not right | wrong <= SPACES.keys() or max(right) >= min(wrong):
         return ""
     below, above = (" and ".join(SPACES[d] for d in sorted(these)) for these in (right, wrong))
-    return f"Your values are right {below}, and wrong {above}."
+    return f"{HERE} right {below}, and wrong {above}."
 
 
 def _sizes(right: set[int], wrong: set[int]) -> str:
@@ -154,7 +183,7 @@ def _sizes(right: set[int], wrong: set[int]) -> str:
         these, others = f"{max(right)} or fewer", f"{min(wrong)} or more"
     else:
         return ""
-    return f"Your values are right for {these} rows, and wrong for {others}."
+    return f"{HERE} right where the first table has {these} rows, and wrong where it has {others}."
 
 
 def _is_whole(argument: object) -> bool:
@@ -185,9 +214,9 @@ def _integers(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
     )
 
 
-def _single_precision(wrong: Sequence[Case]) -> str:
-    """Recognise right values that are rounded to float32."""
-    close = all(
+def _single_precision(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
+    """Recognise right values that are rounded to float32, which makes most cases wrong."""
+    close = 2 * len(wrong) > len(cases) and all(
         (np.abs(v - r) <= 1e-4 * scale(r)).all() and (v.astype(np.float32) == v).all()
         for case in wrong
         for v, r in case.pairs
@@ -206,7 +235,7 @@ def _factor(wrong: Sequence[Case]) -> str:
     """Recognise v = k r with one k in all cases, or another k in each case of many entries."""
     factors = [k for case in wrong if (k := _factor_of(case))]
     entries = [sum(np.count_nonzero(r) for r in case.right) for case in wrong]
-    if len(factors) < len(wrong) or sum(entries) < 2:
+    if len(factors) < len(wrong) or sum(entries) < 2 or _are_rounding(factors):
         return ""
     if np.allclose(factors, factors[0], rtol=CLOSE) and _plausible(factors[0], wrong):
         return f"The wrong values are the right ones {_times(factors[0])}."
@@ -224,6 +253,13 @@ def _factor(wrong: Sequence[Case]) -> str:
         f"For {name}, the wrong values are the right ones {first}. "
         f"For {its_name}, they are the right ones {other}."
     )
+
+
+def _are_rounding(factors: Sequence[float]) -> bool:
+    """Return whether the factors are so close to one, without being equal, or single."""
+    excess = np.array(factors) - 1
+    largest = np.abs(excess).max()
+    return bool(largest < NEARLY_ONE and (len(excess) < 2 or np.ptp(excess) > 0.01 * largest))
 
 
 def _factor_of(case: Case) -> float:

@@ -34,7 +34,7 @@ TITLES: dict[str, str] = {
     "missing": "— the function is not there",
     "unwritten": "— not written yet",
     "exception": "— stops with an error",
-    "endless": "— does not come to an end",
+    "endless": "— takes too long, and was stopped",
     "type": "— returns the wrong kind of thing",
     "shape": "— returns the wrong shape",
     "not finite": "— returns values that are not finite",

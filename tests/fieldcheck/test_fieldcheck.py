@@ -20,7 +20,7 @@ from fieldcheck.answers import Answers, Mistake
 from fieldcheck.calls import Call, Outcome, perform
 from fieldcheck.judge import judge
 from fieldcheck.pictures import picture_of_difference
-from fieldcheck.question import Law, Question, relative
+from fieldcheck.question import Law, Question, relative, unchanged
 from fieldcheck.questions import get, questions
 from fieldcheck.seeds import seed
 from fieldcheck.shapes import fitted
@@ -461,7 +461,31 @@ def test_whole_numbers_are_compared_without_rounding():
     verdict = judge(question, calls, outcomes, known)
     assert verdict.finding == "wrong"
     assert "rounding" not in verdict.sentence
-    assert "off by 7. All values here are whole numbers." in verdict.sentence
+    assert "off by 7. All right values here are whole numbers." in verdict.sentence
+
+
+def test_large_values_are_not_called_whole_numbers():
+    """Above 2⁵³ all floating-point numbers are whole."""
+    question = Question("99.1", "weights", 1, lambda _: (), lambda _: ((2,),))
+    asked = (Call("weights", (), "a tiny cell"),)
+    right = np.array([3e24, 7e24])
+    outcomes = [Outcome("returned", values=(2 * right,))]
+    assert "whole" not in judge(question, asked, outcomes, Answers([(right,)], ())).sentence
+
+
+def test_an_index_is_told_only_where_the_order_is_given():
+    """Rows that may come in any order are compared sorted."""
+    right = np.array([[1.5, 2.0], [0.5, 7.0], [3.5, 1.0]])
+    asked, known = (Call("edges", (), "a mesh"),), Answers([(right,)], ())
+    outcomes = [Outcome("returned", values=(right + np.diag([0, 0, 0.3])[:, 1:],))]
+    for form, words in (
+        (unchanged, "a mesh, entry [2, 1] is off by 0.3."),
+        (lambda _, values: tuple(map(answers.rows_sorted, values)), "a mesh, an entry is off by"),
+    ):
+        question = Question(
+            "99.1", "edges", 1, lambda _: asked, lambda _: ((3, 2),), normal_form=form
+        )
+        assert words in judge(question, asked, outcomes, known).sentence
 
 
 @pytest.mark.parametrize(("name", "says"), [("14.7", True), ("01.4", False)])

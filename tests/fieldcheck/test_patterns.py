@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from fieldcheck.calls import Call
-from fieldcheck.patterns import pattern
+from fieldcheck.patterns import HERE, pattern
 from fieldcheck.question import Question
+from fieldcheck.simplices import relative_to_a_corner
 
 
 def inputs(seed):
@@ -56,14 +57,14 @@ def where_right(shapes, is_right):
         (
             (1, 2, 2, 3, 3),
             (1, 2),
-            "Your values are right on a line and in the plane, and wrong in space.",
+            f"{HERE} right on a line and in the plane, and wrong in space.",
         ),
         (
             (1, 1, 2, 3),
             (1,),
-            "Your values are right on a line, and wrong in the plane and in space.",
+            f"{HERE} right on a line, and wrong in the plane and in space.",
         ),
-        ((1, 2, 2, 3, 3), (1,), "Your values are right only for a cloud of (7, 1)."),
+        ((1, 2, 2, 3, 3), (1,), f"{HERE} right only for a cloud of (7, 1)."),
         ((1, 1, 2, 2, 3, 3), (1, 3), ""),
         ((2, 2, 5, 5), (2,), ""),
         ((3, 3, 2, 2), (3,), ""),
@@ -73,14 +74,22 @@ def test_values_that_are_right_up_to_a_dimension_are_told(dimensions, right, sen
     """The columns of the first table are coordinates if there are one to three of them."""
     found = where_right([(7, d) for d in dimensions], lambda _, d: d in right)
     assert found.startswith(sentence)
-    assert ("Your values are right" in found) == bool(sentence)
+    assert (f"{HERE} right" in found) == bool(sentence)
 
 
 @pytest.mark.parametrize(
     ("rows", "right", "sentence"),
     [
-        ((4, 5, 5, 9, 12), {9, 12}, "Your values are right for 9 or more rows, and wrong for 5 or"),
-        ((12, 4, 9, 5, 5), {4, 5}, "Your values are right for 5 or fewer rows, and wrong for 9 or"),
+        (
+            (4, 5, 5, 9, 12),
+            {9, 12},
+            f"{HERE} right where the first table has 9 or more rows, and wrong where it has 5 or",
+        ),
+        (
+            (12, 4, 9, 5, 5),
+            {4, 5},
+            f"{HERE} right where the first table has 5 or fewer rows, and wrong where it has 9 or",
+        ),
         ((4, 5, 6, 9, 12), {5, 12}, ""),
         ((5, 5, 9, 9), {}, ""),
     ],
@@ -89,7 +98,7 @@ def test_values_that_are_right_up_to_a_size_are_told(rows, right, sentence):
     """The largest sizes with wrong values are below all with right ones, or the other way round."""
     found = where_right([(n, 2) for n in rows], lambda n, _: n in right)
     assert found.startswith(sentence)
-    assert ("Your values are right" in found) == bool(sentence)
+    assert (f"{HERE} right" in found) == bool(sentence)
 
 
 @pytest.mark.parametrize(
@@ -138,8 +147,7 @@ def test_values_that_are_right_up_to_a_size_are_told(rows, right, sentence):
         (lambda a: np.diag(np.diag(a)), "Only the values on the diagonal are right."),
         (
             lambda a: 2 * a if len(a) == 5 else a,
-            "Your values are wrong only for a large table. The wrong values are the right ones "
-            "times 2.",
+            f"{HERE} wrong only for a large table. The wrong values are the right ones times 2.",
         ),
         (lambda a: a**2, ""),
     ],
@@ -199,6 +207,44 @@ def three_tables(*factors, integers=False):
     ]
     values = [(k * a,) for k, a in zip(factors, tables, strict=True)]
     return pattern(TABLE, calls, values, [(a,) for a in tables])
+
+
+def test_rounding_errors_are_no_factor():
+    """A factor next to one is told if it is the same in several cases, as with 3.14 for π."""
+    rough = 3.14 / np.pi
+    assert "times (1 -5.1e-04)" in three_tables(rough, rough, rough)
+    assert three_tables(1 + 1e-8, 1 - 2e-8, 1 + 3e-8) == ""
+    assert three_tables(1 + 1e-8, 1, 1) == f"{HERE} wrong only for a first table."
+
+
+def test_single_precision_makes_most_cases_wrong():
+    """One case whose wrong values happen to have few digits is not single precision."""
+    assert "float32" not in of_table(lambda a: a.astype(np.float32) if len(a) == 5 else a)
+
+
+def test_a_right_value_of_zero_tells_nothing():
+    """Many wrong answers are right where all data are zero."""
+    tables = [np.zeros((3, 3)), np.ones((3, 3)), np.eye(3)]
+    calls = [Call("table", (a,), "a table") for a in tables]
+    right = [(a,) for a in tables]
+    assert "right only" not in pattern(TABLE, calls, [(np.cos(a) * a,) for a in tables], right)
+
+
+def test_positions_are_compared_as_seen_from_the_corner():
+    """A result on the wrong side of the first corner is not the opposite of the right one."""
+    center = Question(
+        *("99.6", "center", 1, inputs, lambda _: ((2,),), ()),
+        normal_form=relative_to_a_corner,
+    )
+    calls = [
+        Call("center", (a[:3, :2] + 5,), "a triangle") for a in (c.arguments[0] for c in CALLS)
+    ]
+    right = [(c.arguments[0].mean(axis=0),) for c in calls]
+    corners = [c.arguments[0][0] for c in calls]
+    turned = [(2 * q - r,) for q, (r,) in zip(corners, right, strict=True)]
+    assert pattern(center, calls, turned, right) == (
+        "Seen from the first corner, the wrong values are the right ones with the opposite sign."
+    )
 
 
 def test_a_factor_is_said_once():

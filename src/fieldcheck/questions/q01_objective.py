@@ -101,7 +101,7 @@ def unusual_data(random: np.random.Generator) -> tuple[Call, ...]:
 def small_residuals(random: np.random.Generator, n: int, d: int) -> Call:
     """Return whole numbers: large values, whose residual is a few units."""
     points, c = whole(random, n, d), random.integers(-9, 10, d + 1).astype(float)
-    c[0] = 2.0**24
+    c[0] = 2.0**32
     values = c[0] + points @ c[1:] + random.permutation(np.arange(n) - 2)
     return Call("objective", (points, values, c), f"large values in {d} dimensions", (0, 1, 2))
 

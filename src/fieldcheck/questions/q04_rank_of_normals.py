@@ -356,11 +356,11 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
                 uneven[:, None] * five,
                 np.append(np.zeros(2), random.uniform(1, 2, 4) * [0, 1, -1, 0]),
             ),
-            "two points near the centre of a vortex",
+            "points near the centre of a vortex",
         ),
         (
             (uneven[:, None] * seven[:5], np.append(np.zeros(2), random.uniform(-2, -1, 4))),
-            "two points near a point at rest",
+            "points near a point at rest",
         ),
     )
 

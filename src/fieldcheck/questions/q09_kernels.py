@@ -257,7 +257,7 @@ def stars(random: np.random.Generator) -> Iterator[Call]:
     ):
         points = random.permutation(star[:n]) + random.integers(-3, 4, 2)
         x = np.concatenate([points[0] + random.uniform(-2, 2, (24, 2)), points])
-        case = f"{words} points at distance 1 from one, k = {k}, degree {degree}"
+        case = f"{words} points at distance 1 from another one, k = {k}, degree {degree}"
         yield Call("interpolate", (points, random.normal(size=n), k, degree, x), case, exact=(0,))
 
 
@@ -323,7 +323,7 @@ def wendland_inputs(seed: int) -> tuple[Call, ...]:
 
 @law(
     "The function for s = 0 must be a power of 1 − r, and zero beyond 1. The function for s = 1 "
-    "must be the integral (9.9) of that for s = 0 in D + 2 variables."
+    "must be the integral (9.9) of that for s = 0 in D + 2 variables, and 1 at zero."
 )
 def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation from the integral by Gauss quadrature for s = 1, and from a power for s

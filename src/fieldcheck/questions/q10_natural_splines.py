@@ -68,8 +68,8 @@ def radial_inputs(seed: int) -> tuple[Call, ...]:
             (random.permutation(whole_line(random, 6)), random.normal(size=6)),
             "six sites in whole numbers",
         ),
-        ((sites, random.normal(size=8)), "the same eight sites with other values"),
-        ((few, random.normal(size=5)), "the same five sites with other values"),
+        ((sites, random.normal(size=8)), "eight sites with other values"),
+        ((few, random.normal(size=5)), "five sites with other values"),
         *(
             ((size * where, random.normal(size=len(where))), case)
             for size, where, case in (
@@ -138,8 +138,8 @@ def more_moments(random: np.random.Generator, sites: np.ndarray) -> tuple[Call, 
     whole = whole_line(random, 5)
     near_calls = calls_of(
         "moments",
-        ((sites, random.normal(size=5)), "the same five sites with other values"),
-        ((sites[::-1] * -1.0, random.normal(size=5)), "their mirror images with other values"),
+        ((sites, random.normal(size=5)), "five sites with other values"),
+        ((sites[::-1] * -1.0, random.normal(size=5)), "mirror images of five sites"),
         ((2.0**20 * sites, random.normal(size=5)), "five sites 10⁶ apart"),
         ((2.0**24 * sites[:4], random.normal(size=4)), "four sites 10⁷ apart"),
         ((line(random, 43), random.normal(size=43)), "43 sites"),
@@ -241,7 +241,7 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
 
 @law_of_each(
     "Each piece must have the given values and moments at its two ends. Outside the curve must be "
-    "a straight line with the slope that it has at the end."
+    "a straight line with the value and the slope that it has at the end."
 )
 def is_cubic_inside_and_linear_outside(call: Call, values: Values) -> float:
     """Return the deviation of ends, second derivatives and outer lines from the given ones."""

@@ -212,7 +212,7 @@ def graph_inputs(seed: int) -> tuple[Call, ...]:
 
 @law(
     "Links must go both ways, no point may be linked to itself, and each point must be linked to "
-    "its K − 1 nearest others."
+    "its K − 1 nearest others. There must be no other links."
 )
 def links_both_ways(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the number of points linked to themselves, in one direction only, or to no nearest
@@ -279,8 +279,8 @@ def beside_inputs(seed: int) -> tuple[Call, ...]:
 
 
 @law(
-    "The point itself must be nearest to its off-surface point; at twice the length, if that is at "
-    "most Δ, another point must be nearest."
+    "Each length must be Δ divided by a power of two. The point itself must be nearest to its "
+    "off-surface point; at twice the length, if that is at most Δ, another point must be nearest."
 )
 def belong_to_their_sites(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the number of lengths that are not a power of 1/2, lead to another site, or could be

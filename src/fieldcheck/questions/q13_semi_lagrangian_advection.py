@@ -39,7 +39,8 @@ def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     x, dt, t = in_disc(random, 8), random.uniform(0.03, 0.05), random.uniform(0.2, 0.4)
     whole = np.vstack([[[0, 0], [2, 0], [0, -1]], random.integers(-3, 4, (3, 2))])
-    return calls_of(
+    turning = ((in_square(random, 2), 0.5, 0.25), (0.7 * x[:4], 1.5, 0.3))
+    moving = calls_of(
         name,
         ((x, t, dt, 1), "eight points in the vortex"),
         ((x, t, dt / 2, 1), "the same points with half the step"),
@@ -71,8 +72,12 @@ def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
         ),
         ((x, t, 1.0, 0), "a step of a whole period in the solid rotation"),
         ((x[:5], t, 2.0, 0), "a step of two whole periods in the solid rotation"),
-        ((in_square(random, 2), 0.5, 0.25, 2), "a step from the time 1/2 in the deformation flow"),
-        ((0.7 * x[:4], 1.5, 0.3, 2), "a step from the time 3/2 in the deformation flow"),
+    )
+    return moving + tuple(
+        Call(
+            name, (p, t, dt, 2), f"a step from the time {t}, when the deformation flow rests", (1,)
+        )
+        for p, t, dt in turning
     )
 
 
@@ -149,7 +154,7 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
     name = "step_matrix"
     calls = calls_of(
         name,
-        ((sites, random.uniform(-1, 1, (6, 2)), 9), "six feet with nine sites each"),
+        ((sites, random.uniform(-1, 1, (6, 2)), 9), "six feet"),
         ((few, random.uniform(-1.2, 1.2, (4, 2)), 9), "four feet with all nine sites"),
         ((sites, sites[[7, 0, 18]], 8), "three feet that are sites"),
         ((line, random.uniform(-0.1, 1.1, (5, 1)), 4), "five feet on a line, with four sites each"),

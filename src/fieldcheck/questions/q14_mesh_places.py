@@ -213,8 +213,8 @@ def first_triangles_stay(calls: Sequence[Call], values: Sequence[Values]) -> flo
 
 
 @law(
-    "With these signs no two triangles may run along an edge in the same direction, and parts that "
-    "are not orientable must have zeros."
+    "With these signs no two triangles may run along an edge in the same direction. Parts that "
+    "are not orientable, and no others, must have zeros."
 )
 def makes_them_agree(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the number of sides with the direction of another one after the reversals."""
@@ -428,8 +428,8 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
             Call("pierced", tuple(middle + size * p for p in pairs(random, THROUGH)), case)
         )
     for case, axes, offset in (
-        ("segments that end in the plane or lie in it", [0, 1, 2], 0.0),
-        ("segments that end in an upright plane or lie in it, as integers", [2, 0, 1], 3),
+        ("segments, some of which end in the plane or lie in it", [0, 1, 2], 0.0),
+        ("segments and upright triangles of integers", [2, 0, 1], 3),
     ):
         start, end, triangle = (
             np.array(numbers)[..., axes] + offset for numbers in (FROM, TO, TRIANGLE)
