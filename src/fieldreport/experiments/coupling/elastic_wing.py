@@ -489,5 +489,5 @@ def plot_turns(result: Result) -> Figure:
         axes[1].axvline(params.pressure / 1000, color="black", linewidth=0.6, linestyle=":")
         axes[1].set(xlabel="dynamic pressure [kPa]", ylabel="contraction factor", xlim=(0, most))
         axes[1].set_ylim(0, 1.5)
-        axes[1].legend(title="sweep")
+        axes[1].legend(title="sweep", loc="center right", bbox_to_anchor=(1, 0.42))
     return page
