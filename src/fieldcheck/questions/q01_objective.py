@@ -76,7 +76,7 @@ def few_points(random: np.random.Generator) -> tuple[Call, ...]:
 
 
 def unusual_data(random: np.random.Generator) -> tuple[Call, ...]:
-    """Return repeated points, an outlier, arrays of integers, and residuals far below values."""
+    """Return repeated points, an outlier, and arrays of integers."""
     plane, space = cloud(random, 7, 2), cloud(random, 8, 3)
     c, d = random.normal(size=3), random.normal(size=4)
     data = random.normal(size=8)
@@ -93,17 +93,7 @@ def unusual_data(random: np.random.Generator) -> tuple[Call, ...]:
             ((plane[2:], 1e-9 * data[:5], 1e-9 * c), "small values, at most 10⁻⁸"),
             ((space[3:], 1e-9 * data[:5], 1e-9 * d), "small values in space, at most 10⁻⁸"),
         ),
-        small_residuals(random, 6, 2),
-        small_residuals(random, 7, 3),
     )
-
-
-def small_residuals(random: np.random.Generator, n: int, d: int) -> Call:
-    """Return whole numbers: large values, whose residual is a few units."""
-    points, c = whole(random, n, d), random.integers(-9, 10, d + 1).astype(float)
-    c[0] = 2.0**32
-    values = c[0] + points @ c[1:] + random.permutation(np.arange(n) - 2)
-    return Call("objective", (points, values, c), f"large values in {d} dimensions", (0, 1, 2))
 
 
 @law(
