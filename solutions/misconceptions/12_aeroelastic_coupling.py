@@ -134,7 +134,7 @@ def not_transposed(H, f):
 @answers("12.2")
 def decimals_lost(H, f):
     """The loads are an array like the forces: if these are integers, it holds integers only, and
-    the decimals are lost. Leave out the `dtype` of `np.zeros`.
+    the decimals are lost. Begin with `np.zeros` without a `dtype`.
     """
     g = np.zeros((H.shape[1], f.shape[1]), dtype=f.dtype)
     for j in range(len(g)):
