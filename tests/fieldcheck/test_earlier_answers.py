@@ -151,7 +151,8 @@ def test_a_slow_earlier_answer_explains_only_slowness(monkeypatch):
     hasty = {q.name: replace(q, limit=0.05) for q in map(get, ("01.1", "01.2"))}
     monkeypatch.setattr("fieldcheck.earlier_answers.questions", lambda: hasty)
     monkeypatch.setattr(notebook, "get", hasty.get)
-    slow = "import time\n" + BASIS.replace("    return", "    time.sleep(0.06)\n    return")
+    busy = "    end = time.process_time() + 0.06\n    while time.process_time() < end: pass\n"
+    slow = "import time\n" + BASIS.replace("    return", f"{busy}    return")
     assert fieldcheck.check("01.2", cells(slow, FIT)).sentence == FIRST
     assert "opposite sign" in fieldcheck.check("01.2", cells(slow, WRONG_FIT)).sentence
 

@@ -87,7 +87,8 @@ def meets_values_and_side_conditions(call: Call, values: Values) -> float:
     sites, wanted = call.arguments
     missed = relative(cubes(sites, sites, weights, plane) - wanted, wanted)
     (weights, _) = nothing_for_rounding(call, values)
-    moments = weights @ np.insert(sites, 0, 1.0, axis=1)
+    basis = np.insert(sites, 0, 1.0, axis=1)
+    moments = weights @ (basis / np.maximum(np.abs(basis).max(axis=0), 1.0))
     return max(missed, relative(moments, weights) if weights.any() else 0.0)
 
 
