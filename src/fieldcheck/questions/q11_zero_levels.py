@@ -75,7 +75,7 @@ def nothing_for_rounding(call: Call, values: Values) -> Values:
     (weights, plane) = values
     sites, wanted = call.arguments
     terms = np.abs(weights) * np.ptp(sites, axis=0).max() ** 3
-    return np.where(terms > 1e-12 * np.abs(wanted).max(), weights, 0.0), plane
+    return np.where(terms > 1e-9 * np.abs(wanted).max(), weights, 0.0), plane
 
 
 @law_of_each(
