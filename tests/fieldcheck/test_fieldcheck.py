@@ -480,7 +480,7 @@ def test_large_values_are_not_called_whole_numbers():
     assert "whole" not in judge(question, asked, outcomes, Answers([(right,)], ())).sentence
 
 
-def test_an_index_is_told_only_where_the_order_is_given():
+def test_an_index_is_reported_only_where_the_order_is_given():
     """Rows that may come in any order are compared sorted."""
     right = np.array([[1.5, 2.0], [0.5, 7.0], [3.5, 1.0]])
     asked, known = (Call("edges", (), "a mesh"),), Answers([(right,)], ())

@@ -210,7 +210,7 @@ def three_tables(*factors, integers=False):
 
 
 def test_rounding_errors_are_no_factor():
-    """A factor next to one is told if it is the same in several cases, as with 3.14 for π."""
+    """A factor close to one is reported if several cases share it, as with 3.14 for π."""
     rough = 3.14 / np.pi
     assert "times (1 -5.1e-04)" in three_tables(rough, rough, rough)
     assert three_tables(1 + 1e-8, 1 - 2e-8, 1 + 3e-8) == ""
