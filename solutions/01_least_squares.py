@@ -155,7 +155,7 @@ check("01.1")
 # ## The best fit
 #
 # With more points than coefficients the system usually has no solution. Then we make the residual
-# $\boldsymbol{\varepsilon} = \mathbf{B}\mathbf{c} - \mathbf{V}$ as small as possible: we minimise
+# $\boldsymbol{\varepsilon} = \mathbf{B}\mathbf{c} - \mathbf{V}$ as small as possible: we minimize
 #
 # $$ \psi(\mathbf{c}) = \tfrac{1}{2} \lVert \mathbf{B}\mathbf{c} - \mathbf{V} \rVert^2. \tag{1.3} $$
 #

@@ -858,7 +858,7 @@ def error_against_width(n, noise):
 # which grows with the noise. This is the *bias–variance trade-off*. Set $n = 1$: now the largest
 # $\varepsilon$ is the best. Why?
 #
-# ### Minimising ψ over ε
+# ### Minimizing ψ over ε
 #
 # In practice $\phi$ is unknown, and so is this curve. We need a criterion that uses the
 # measurements alone. The slides suggest $\psi$ of (2.7), whose minimum defines the coefficients
@@ -933,7 +933,7 @@ check("02.9")
 
 # %% [markdown]
 # The next picture compares four criteria on your points, as functions of $\varepsilon$: the true
-# error, the leave-one-out error, $\psi$, and the normalised $\bar\psi = \psi / \sum_i w_i^2$. The
+# error, the leave-one-out error, $\psi$, and the normalized $\bar\psi = \psi / \sum_i w_i^2$. The
 # last one is half a weighted mean of squared residuals. Each curve is divided by its minimum,
 # which a dot marks. The number in brackets is the ratio of two true errors: at the $\varepsilon$
 # of this criterion, and at the best $\varepsilon$.
@@ -1066,7 +1066,7 @@ def landscape_errors(number, noise):
 # </details>
 
 # %% [markdown] answer="02.10" points=5 minutes=20 words=130 optional
-# (a) Let $\psi_1$ and $\psi_2$ belong to $\varepsilon_1 < \varepsilon_2$, with the minimisers
+# (a) Let $\psi_1$ and $\psi_2$ belong to $\varepsilon_1 < \varepsilon_2$, with the minimizers
 # $\mathbf{c}_1$ and $\mathbf{c}_2$. For fixed $\mathbf{c}$ every weight $w_i = 1/(r_i^2 +
 # \varepsilon^2)$ decreases as $\varepsilon$ grows, so each term of (2.7) decreases or is zero.
 # Hence $\psi_2(\mathbf{c}_2) \le \psi_2(\mathbf{c}_1) \le \psi_1(\mathbf{c}_1)$.
@@ -1101,7 +1101,7 @@ def landscape_errors(number, noise):
 #   that $e_i = (\phi_i - f(\mathbf{p}_i))/(1 - a_{ii})$, so that no system without the point is
 #   needed. How do you get $a_{ii}$ from `field`? For which $\varepsilon$ does the quotient lose its
 #   digits?
-# - *The normalised objective.* Why is $\bar\psi$ smallest for small $\varepsilon$, if there is
+# - *The normalized objective.* Why is $\bar\psi$ smallest for small $\varepsilon$, if there is
 #   noise? Think of $D + 1$ measurements that are much closer than all others.
 # - *Terraces.* The slides say that "bumps and dimples occur unless $\varepsilon$ is substantially
 #   larger than the spacing between points" (page 9). Look for them where the field is curved. Count

@@ -128,7 +128,7 @@ def the_problem(direction, speed):
 # The three equations contradict each other in general. So we take the velocity with the smallest
 # sum of squared residuals:
 #
-# $$ \mathbf{u} \quad \text{minimises} \quad \lVert \mathbf{N}\mathbf{u} - \mathbf{v} \rVert.
+# $$ \mathbf{u} \quad \text{minimizes} \quad \lVert \mathbf{N}\mathbf{u} - \mathbf{v} \rVert.
 #    \tag{6.2} $$
 #
 # ## A worked example
@@ -665,8 +665,8 @@ def matching_point(s, apex, height):
 # $v_a = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a) = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{O})$
 # for all three sides: the constant $\mathbf{u}(\mathbf{O})$ satisfies all equations of (6.1).
 #
-# The residual of this constant is zero, so it is a minimiser of (6.2). Two of the normals are not
-# parallel, so $\mathbf{N}$ has rank two and the minimiser is unique. The proof uses neither the
+# The residual of this constant is zero, so it is a minimizer of (6.2). Two of the normals are not
+# parallel, so $\mathbf{N}$ has rank two and the minimizer is unique. The proof uses neither the
 # shape of the triangle nor that $\mathbf{O}$ lies inside.
 #
 # *Beyond the question.* The difference from the velocity at a corner is

@@ -586,7 +586,7 @@ def on_a_line(more):
 #
 # $$ \psi_{D,1}(r) = C \int_r^\infty t\, \psi_{D+2,0}(t)\, dt , \tag{9.9} $$
 #
-# where $C$ normalises $\psi_{D,1}(0) = 1$. Both are positive definite in up to $D$ variables, and
+# where $C$ normalizes $\psi_{D,1}(0) = 1$. Both are positive definite in up to $D$ variables, and
 # in general not in more.
 #
 # *Example.* For $D = 3$ and $s = 1$ we have $\ell = 3$ and $\psi_{3,1}(r) = (1-r)_+^4 (4r + 1)$, so

@@ -25,7 +25,7 @@
 # This notebook computes the natural spline in two ways that look unrelated: as a sum of one
 # function $\lvert x - x_j \rvert^3$ for each pin, and by cubic polynomials between the pins. You
 # convert one form into the other, compute the bending energy, and see how a sum of functions that
-# are nonzero almost everywhere can be local. The first form generalises to the plane and to
+# are nonzero almost everywhere can be local. The first form generalizes to the plane and to
 # space, where it is interpolation by radial basis functions (notebooks 03 and 09).
 #
 # **Sources**: H. Wendland, *Scattered Data Approximation* (2005), section 1.4, pages 12–16; C. de
@@ -216,7 +216,7 @@ def two_sums(middle):
 #    \begin{bmatrix} \mathbf{f} \\ \mathbf{0} \end{bmatrix} . \tag{10.5} $$
 #
 # So the natural spline is an interpolant by radial basis functions: the kernel $r^3$ with a
-# polynomial of degree one. On a line it is $r^3$ that minimises the bending energy. In the plane it
+# polynomial of degree one. On a line it is $r^3$ that minimizes the bending energy. In the plane it
 # is the thin-plate spline $r^2 \log r$.
 #
 # ### 10.2 The spline by distances

@@ -115,7 +115,7 @@ def lattice(n, size=1.9):
 # %% [markdown]
 # ## Point clouds with and without noise
 #
-# The points lie on a closed curve. Reduce their number: with how few points do you still recognise
+# The points lie on a closed curve. Reduce their number: with how few points do you still recognize
 # the curve?
 
 

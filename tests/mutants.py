@@ -558,7 +558,7 @@ class OtherShares(PartitionOfUnityRBF):
 SHARES = partition_of_unity.shares
 
 
-class NotNormalised(OtherShares):
+class NotNormalized(OtherShares):
     """The blending weights do not sum to one."""
 
     @staticmethod
@@ -777,7 +777,7 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         wrapped(LINE, DegreeTooHigh),
         wrapped(PLATE, DegreeTooHigh),
         made(PLATE, "ConstraintForgotten", lambda p, _: ConstraintForgotten(p)),
-        patches(NotNormalised),
+        patches(NotNormalized),
         patches(ZeroOutsideTheBalls, SPHERE),
     ],
     laws.polynomials_of_the_next_degree_are_not_reproduced: [

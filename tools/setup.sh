@@ -128,7 +128,7 @@ intact() { [ "$(cat "$ready" 2>/dev/null)" = "$home" ] && new_enough "$venv/bin/
 locks_changed() { [ -n "$(find requirements*.lock pyproject.toml src/pyproject.toml tools/setup.sh -newer "$ready")" ]; }
 
 # One set-up at a time. The lock is a link to the id of the process that holds it: it is made
-# atomically, and recognised as stale if the process has ended.
+# atomically, and recognized as stale if the process has ended.
 until ln -s $$ "$lock" 2>/dev/null; do
     holder=$(readlink "$lock") || stop "$home cannot be written to."
     kill -0 "$holder" 2>/dev/null || rm -f "$lock"

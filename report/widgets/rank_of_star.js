@@ -101,7 +101,7 @@ function ontoConic(points) {
   return surrounds(moved) ? moved : points;
 }
 
-// The conic through the centre that minimises the sum of squares of its values at the vertices.
+// The conic through the centre that minimizes the sum of squares of its values at the vertices.
 function nearestConic(points) {
   const rows = points.map(p => quadratics(p).slice(1));
   while (rows.length < 5) rows.push([0, 0, 0, 0, 0]);

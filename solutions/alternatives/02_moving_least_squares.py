@@ -132,7 +132,7 @@ def all_systems_at_once(points, values, x, epsilon):
 
 
 @answers("02.4")
-def with_normalised_weights(points, values, x, epsilon):
+def with_normalized_weights(points, values, x, epsilon):
     result = []
     for place in x:
         m = (np.sum((points - place) ** 2, axis=1) + epsilon**2) ** -2.0

@@ -327,7 +327,7 @@ def absolute_evaluation_points(points, values, x, epsilon):
 
 @answers("02.5")
 def weights_not_squared_in_the_objective(points, values, x, epsilon, coefficients):
-    """The weights enter once. In (2.7) they stand inside the norm, which is squared. Minimising
+    """The weights enter once. In (2.7) they stand inside the norm, which is squared. Minimizing
     your function would lead to other normal equations than (2.5).
     """
     residual = value_at(coefficients, points) - values
@@ -377,8 +377,8 @@ def summed_before_squaring(points, values, x, epsilon, coefficients):
 
 
 @answers("02.5")
-def normalised_objective(points, values, x, epsilon, coefficients):
-    """The sum is divided by the sum of the squared weights. This normalised objective appears in
+def normalized_objective(points, values, x, epsilon, coefficients):
+    """The sum is divided by the sum of the squared weights. This normalized objective appears in
     Part 2, but (2.7) is the plain sum.
     """
     factors = weight(points, x, epsilon) ** 2
@@ -710,13 +710,13 @@ def all_at_the_point_left_out(points, values, epsilon):
 
 @answers("02.9", named=False)
 def all_of_the_first_coordinate_left_out(points, values, epsilon):
-    """The measurement was recognised by its first coordinate, which others may have too."""
+    """The measurement was recognized by its first coordinate, which others may have too."""
     return left_out_where(lambda i: points[:, 0] == points[i, 0], points, values, epsilon)
 
 
 @answers("02.9", named=False)
 def all_of_the_value_left_out(points, values, epsilon):
-    """The measurement was recognised by its value, which others may have too."""
+    """The measurement was recognized by its value, which others may have too."""
     return left_out_where(lambda i: values == values[i], points, values, epsilon)
 
 

@@ -252,7 +252,7 @@ def middle_of_the_box(points):
 @answers("05.3")
 def of_unit_speed(points):
     """Every velocity has length one. In a rotation the speed is proportional to the distance from
-    the centre. Do not normalise the vectors.
+    the centre. Do not normalize the vectors.
     """
     u = turned(points - points.mean(axis=0))
     return u / np.hypot(*u.T)[:, None]

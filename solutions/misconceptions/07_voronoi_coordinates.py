@@ -32,7 +32,7 @@ def many_places(center, rim, corners, x):
     return np.array([one_place(center, rim, corners, place) for place in x])
 
 
-def normalised(w):
+def normalized(w):
     return w / w.sum(axis=1, keepdims=True)
 
 
@@ -414,7 +414,7 @@ def size_of_one_factor(center, rim, corners, x):
 
 
 @answers("07.5")
-def not_normalised(center, rim, corners, x):
+def not_normalized(center, rim, corners, x):
     """These are the weights, not divided by their sum. A constant field is not reproduced: what
     do the coordinates at a point have to add up to?
     """
@@ -422,7 +422,7 @@ def not_normalised(center, rim, corners, x):
 
 
 @answers("07.5")
-def normalised_over_the_places(center, rim, corners, x):
+def normalized_over_the_places(center, rim, corners, x):
     """The sums run over the points instead of over the corners: the columns sum to one, and the
     rows should. The coordinates of a point must not depend on the other points.
     """
@@ -462,7 +462,7 @@ def inverse_distances(center, rim, corners, x):
     """These are inverse distances to the corners, divided by their sum. They do not depend on the
     edges, and linear fields are not reproduced. Use the weights of (7.5).
     """
-    return normalised(1 / np.linalg.norm(corners - x[:, None], axis=2))
+    return normalized(1 / np.linalg.norm(corners - x[:, None], axis=2))
 
 
 # 07.6
@@ -628,7 +628,7 @@ def between_the_values(center, rim, corners, values, x):
     """Inside the cell the values are right. Outside they were clipped to the smallest and the
     largest given value, but (7.8) exceeds them there, since some coordinates are negative.
     """
-    mixed = normalised(many_places(center, rim, corners, x)) @ values
+    mixed = normalized(many_places(center, rim, corners, x)) @ values
     return np.clip(mixed, values.min(), values.max())
 
 
@@ -653,7 +653,7 @@ def by_inverse_distances(center, rim, corners, values, x):
     """Constants are reproduced, linear fields are not: these are means by inverse distance. The
     weights in (7.8) are the coordinates you wrote.
     """
-    return normalised(1 / np.linalg.norm(corners - x[:, None], axis=2)) @ values
+    return normalized(1 / np.linalg.norm(corners - x[:, None], axis=2)) @ values
 
 
 @answers("07.7")
@@ -661,7 +661,7 @@ def mean_of_products(center, rim, corners, values, x):
     """The sum was divided by the number of corners a second time: coordinates have the sum one
     already. What would a constant become?
     """
-    return (normalised(many_places(center, rim, corners, x)) * values).mean(axis=1)
+    return (normalized(many_places(center, rim, corners, x)) * values).mean(axis=1)
 
 
 @answers("07.7")
@@ -669,7 +669,7 @@ def values_one_corner_on(center, rim, corners, values, x):
     """Values and coordinates have slipped by one corner against each other. Value and weight must
     have the same index in (7.8): which triangle has number 0?
     """
-    return normalised(many_places(center, rim, corners, x)) @ np.roll(values, 1)
+    return normalized(many_places(center, rim, corners, x)) @ np.roll(values, 1)
 
 
 # 07.8
@@ -694,7 +694,7 @@ def quotients_again(center, rim, x):
     """
     h = distances_to_edges(center, rim, x)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return normalised(double_areas(center, rim) / (h * np.roll(h, -1, axis=1)))
+        return normalized(double_areas(center, rim) / (h * np.roll(h, -1, axis=1)))
 
 
 @answers("07.8")
@@ -704,7 +704,7 @@ def all_factors_kept(center, rim, x):
     """
     h = distances_to_edges(center, rim, x).prod(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return normalised(h[:, None] * double_areas(center, rim))
+        return normalized(h[:, None] * double_areas(center, rim))
 
 
 @answers("07.8")
@@ -714,7 +714,7 @@ def own_factors_above(center, rim, x):
     """
     h = distances_to_edges(center, rim, x)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return normalised(double_areas(center, rim) * h * np.roll(h, -1, axis=1))
+        return normalized(double_areas(center, rim) * h * np.roll(h, -1, axis=1))
 
 
 @answers("07.8")
@@ -725,7 +725,7 @@ def one_factor_too_many(center, rim, x):
     h = distances_to_edges(center, rim, x)
     c = [np.delete(h, a, axis=1).prod(axis=1) for a in range(len(rim))]
     with np.errstate(divide="ignore", invalid="ignore"):
-        return normalised(np.stack(c, axis=1) * double_areas(center, rim))
+        return normalized(np.stack(c, axis=1) * double_areas(center, rim))
 
 
 @answers("07.8")
@@ -736,7 +736,7 @@ def factors_left_out_before(center, rim, x):
     h = distances_to_edges(center, rim, x)
     n = len(rim)
     c = [np.delete(h, [a, a - 1], axis=1).prod(axis=1) for a in range(n)]
-    return normalised(np.stack(c, axis=1) * double_areas(center, rim))
+    return normalized(np.stack(c, axis=1) * double_areas(center, rim))
 
 
 @answers("07.8")
@@ -744,7 +744,7 @@ def areas_left_out(center, rim, x):
     """The areas are missing. In a regular cell they are equal and cancel, in others linear fields
     are not reproduced. What is the factor before the product of (7.10)?
     """
-    return normalised(
+    return normalized(
         products(center, rim, x, distances_to_edges(center, rim, x), np.ones(len(rim)))
     )
 
@@ -754,7 +754,7 @@ def half_left_out(center, rim, x):
     """h vanishes on a line through the neighbour instead of halfway to it: the factor ½ of (7.9) is
     missing.
     """
-    return normalised(products(center, rim, x, distances_to_edges(center, rim, x, 1.0)))
+    return normalized(products(center, rim, x, distances_to_edges(center, rim, x, 1.0)))
 
 
 @answers("07.8")
@@ -764,7 +764,7 @@ def lengths_in_place_of_squares(center, rim, x):
     """
     spokes = rim - center
     h = 0.5 * np.linalg.norm(spokes, axis=1) - (x - center) @ spokes.T
-    return normalised(products(center, rim, x, h))
+    return normalized(products(center, rim, x, h))
 
 
 @answers("07.8")
@@ -773,7 +773,7 @@ def true_distances(center, rim, x):
     The length of each edge is omitted in two products only, so the lengths do not cancel.
     """
     h = distances_to_edges(center, rim, x) / np.linalg.norm(rim - center, axis=1)
-    return normalised(products(center, rim, x, h))
+    return normalized(products(center, rim, x, h))
 
 
 @answers("07.8")
@@ -783,7 +783,7 @@ def place_from_the_origin(center, rim, x):
     """
     spokes = rim - center
     h = 0.5 * (spokes**2).sum(axis=1) - x @ spokes.T
-    return normalised(products(center, rim, x, h))
+    return normalized(products(center, rim, x, h))
 
 
 @answers("07.8")
@@ -797,19 +797,19 @@ def sum_forgotten(center, rim, x):
 @answers("07.8", named=False)
 def no_height_is_negative(center, rim, x):
     """Outside the cell some h are negative; here their absolute values were taken."""
-    return normalised(products(center, rim, x, positive(distances_to_edges(center, rim, x))))
+    return normalized(products(center, rim, x, positive(distances_to_edges(center, rim, x))))
 
 
 @answers("07.8", named=False)
 def no_coordinate_is_negative(center, rim, x):
     """Outside the cell some coordinates are negative; here they were replaced by zero."""
     c = products(center, rim, x, distances_to_edges(center, rim, x))
-    return normalised(np.maximum(c, 0))
+    return normalized(np.maximum(c, 0))
 
 
 def by_quotients(center, rim, h):
     with np.errstate(all="ignore"):
-        return normalised(double_areas(center, rim) / (h * np.roll(h, -1, axis=1)))
+        return normalized(double_areas(center, rim) / (h * np.roll(h, -1, axis=1)))
 
 
 @answers("07.8", named=False)

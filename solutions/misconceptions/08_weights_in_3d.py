@@ -408,7 +408,7 @@ def right_heights(center, neighbors, x):
     return (s**2).sum(axis=1)[:, None] / 2 - s @ (x - center).T
 
 
-def normalised(c):
+def normalized(c):
     with np.errstate(divide="ignore", invalid="ignore"):
         return (c / c.sum(axis=0)).T
 
@@ -427,7 +427,7 @@ def quotients_again(center, neighbors, cells, x):
     h = right_heights(center, neighbors, x)
     with np.errstate(divide="ignore", invalid="ignore"):
         w = six_volumes(center, neighbors, cells)[:, None] / h[cells].prod(axis=1)
-        return normalised(w)
+        return normalized(w)
 
 
 @answers("08.10")
@@ -436,7 +436,7 @@ def own_heights_above(center, neighbors, cells, x):
     other heights.
     """
     h = right_heights(center, neighbors, x)
-    return normalised(six_volumes(center, neighbors, cells)[:, None] * h[cells].prod(axis=1))
+    return normalized(six_volumes(center, neighbors, cells)[:, None] * h[cells].prod(axis=1))
 
 
 @answers("08.10")
@@ -444,7 +444,7 @@ def two_left_out_as_in_the_plane(center, neighbors, cells, x):
     """Only two heights are left out for each corner, as in the plane. Three faces meet there, and
     the third height makes the coordinate of the corner zero on its own face.
     """
-    return normalised(
+    return normalized(
         products(center, neighbors, cells, right_heights(center, neighbors, x), left_out=2)
     )
 
@@ -455,7 +455,7 @@ def all_heights_kept(center, neighbors, cells, x):
     left. Which three does (8.6) leave out?
     """
     h = right_heights(center, neighbors, x).prod(axis=0)
-    return normalised(six_volumes(center, neighbors, cells)[:, None] * h)
+    return normalized(six_volumes(center, neighbors, cells)[:, None] * h)
 
 
 @answers("08.10")
@@ -464,7 +464,7 @@ def volumes_left_out(center, neighbors, cells, x):
     are not reproduced. What is the factor before the product of (8.6)?
     """
     c = products(center, neighbors, cells, right_heights(center, neighbors, x))
-    return normalised(c / six_volumes(center, neighbors, cells)[:, None])
+    return normalized(c / six_volumes(center, neighbors, cells)[:, None])
 
 
 @answers("08.10")
@@ -492,13 +492,13 @@ def heights_of_unit_normals(center, neighbors, cells, x):
     cancel.
     """
     h = right_heights(center, neighbors, x) / np.linalg.norm(neighbors - center, axis=1)[:, None]
-    return normalised(products(center, neighbors, cells, h))
+    return normalized(products(center, neighbors, cells, h))
 
 
 @answers("08.10", named=False)
 def no_height_is_negative(center, neighbors, cells, x):
     """Outside the cell some heights are negative; here their absolute values were taken."""
-    return normalised(
+    return normalized(
         products(center, neighbors, cells, np.abs(right_heights(center, neighbors, x)))
     )
 
@@ -507,12 +507,12 @@ def no_height_is_negative(center, neighbors, cells, x):
 def no_coordinate_is_negative(center, neighbors, cells, x):
     """Outside the cell some coordinates are negative; here they were replaced by zero."""
     c = products(center, neighbors, cells, right_heights(center, neighbors, x))
-    return normalised(np.maximum(c, 0))
+    return normalized(np.maximum(c, 0))
 
 
 def by_quotients(center, neighbors, cells, h):
     with np.errstate(all="ignore"):
-        return normalised(six_volumes(center, neighbors, cells)[:, None] / h[cells].prod(axis=1))
+        return normalized(six_volumes(center, neighbors, cells)[:, None] / h[cells].prod(axis=1))
 
 
 @answers("08.10", named=False)

@@ -1,6 +1,6 @@
 """Known answers on fixed inputs: the right values, and the values of known mistakes.
 
-The values on the public cases are in ``answers/``. A mistake is recognised by its values, so that
+The values on the public cases are in ``answers/``. A mistake is recognized by its values, so that
 neither its code nor the code of a solution is in this package.
 """
 
@@ -51,7 +51,7 @@ class Answers:
     right: tuple[Values, ...]
     mistakes: tuple[Mistake, ...]
 
-    def recognise(
+    def recognize(
         self, question: Question, calls: Sequence[Call], outcomes: Sequence[Outcome]
     ) -> Mistake | None:
         """Return the mistake with the same values, within the tolerance, or None."""

@@ -57,7 +57,7 @@ def judge(
         return Verdict(question.name, "right", _note(question, calls, outcomes))
     finding, sentence, call = min(failures, key=lambda failure: FINDINGS.index(failure[0]))
     if answers and finding not in NOT_RECOGNISABLE:
-        mistake = answers.recognise(question, calls, outcomes)
+        mistake = answers.recognize(question, calls, outcomes)
         if mistake:
             return Verdict(question.name, "misconception", mistake.sentence, mistake.name, call)
         if finding == "wrong":

@@ -166,7 +166,7 @@ def _first_table(call: Call) -> tuple[int, int]:
 
 
 def _dimensions(right: set[int], wrong: set[int]) -> str:
-    """Recognise that all cases are right up to a dimension, and all others are wrong."""
+    """Recognize that all cases are right up to a dimension, and all others are wrong."""
     if not right or not right | wrong <= SPACES.keys() or max(right) >= min(wrong):
         return ""
     below, above = (" and ".join(SPACES[d] for d in sorted(these)) for these in (right, wrong))
@@ -174,7 +174,7 @@ def _dimensions(right: set[int], wrong: set[int]) -> str:
 
 
 def _sizes(right: set[int], wrong: set[int]) -> str:
-    """Recognise that all short tables are wrong and all long ones are right, or the opposite."""
+    """Recognize that all short tables are wrong and all long ones are right, or the opposite."""
     if not right or 0 in right | wrong:
         return ""
     if max(wrong) < min(right):
@@ -191,7 +191,7 @@ def _is_whole(argument: object) -> bool:
 
 
 def _integers(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
-    """Recognise that the wrong cases are those in which an argument is an array of integers."""
+    """Recognize that the wrong cases are those in which an argument is an array of integers."""
     right = [case.whole for case in cases if case not in wrong]
     always = frozenset.intersection(*(case.whole for case in wrong))
     if not (right and always.difference(*right)):
@@ -215,7 +215,7 @@ def _integers(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
 
 
 def _single_precision(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
-    """Recognise right values that are rounded to float32, which makes most cases wrong."""
+    """Recognize right values that are rounded to float32, which makes most cases wrong."""
     close = 2 * len(wrong) > len(cases) and all(
         (np.abs(v - r) <= 1e-4 * scale(r)).all() and (v.astype(np.float32) == v).all()
         for case in wrong
@@ -232,7 +232,7 @@ def _zero(wrong: Sequence[Case]) -> str:
 
 
 def _factor(wrong: Sequence[Case]) -> str:
-    """Recognise v = k r with one k in all cases, or another k in each case of many entries."""
+    """Recognize v = k r with one k in all cases, or another k in each case of many entries."""
     factors = [k for case in wrong if (k := _factor_of(case))]
     entries = [sum(np.count_nonzero(r) for r in case.right) for case in wrong]
     if len(factors) < len(wrong) or sum(entries) < 2 or _are_rounding(factors):
@@ -295,7 +295,7 @@ def _signs(wrong: Sequence[Case]) -> str:
 
 
 def _offset(wrong: Sequence[Case]) -> str:
-    """Recognise v = r + c, with one c for all entries of all cases."""
+    """Recognize v = r + c, with one c for all entries of all cases."""
     c = float((wrong[0].values[0] - wrong[0].right[0]).flat[0])
     several = sum(r.size for case in wrong for r in case.right) > 2
     if not several or not all(case.right_if(lambda v, _: v - c) for case in wrong):
@@ -304,7 +304,7 @@ def _offset(wrong: Sequence[Case]) -> str:
 
 
 def _outputs(wrong: Sequence[Case]) -> str:
-    """Recognise arrays that are exchanged, and right arrays beside wrong ones."""
+    """Recognize arrays that are exchanged, and right arrays beside wrong ones."""
     count = len(wrong[0].right)
     for order in permutations(range(count)):
         if all(
@@ -348,7 +348,7 @@ def _order(wrong: Sequence[Case]) -> str:
 
 
 def _positions(wrong: Sequence[Case]) -> str:
-    """Recognise that only one entry, row or column is wrong, or right, and always the same one."""
+    """Recognize that only one entry, row or column is wrong, or right, and always the same one."""
     if len(wrong[0].right) > 1:
         return ""
     each = [_statements(case.differ(case.values[0], case.right[0])) for case in wrong]

@@ -96,7 +96,7 @@ class Question:
         sign or an order, before answers are compared.
     fingerprint : callable, optional
         ``fingerprint(call, values) -> values``: the part of the values by which mistakes are
-        recognised, if the normal form of a mistake depends on rounding. The default is the
+        recognized, if the normal form of a mistake depends on rounding. The default is the
         normal form.
     limit : float
         Time limit of one call, in seconds.

@@ -60,7 +60,7 @@ class Verdict:
     sentence : str
         The sentence for the student.
     mistake : str
-        Name of the recognised misconception.
+        Name of the recognized misconception.
     call : int, optional
         The call with the largest error.
     picture : str

@@ -190,7 +190,7 @@ def test_without_known_answers_the_laws_decide():
     assert verdict_of(lambda x: x**2).finding == "wrong"
 
 
-def test_only_the_numbers_of_a_misconception_are_recognised():
+def test_only_the_numbers_of_a_misconception_are_recognized():
     """Numbers that are merely near those of a misconception are wrong."""
     assert verdict_of(lambda x: x**2 * (1 + 1e-6), known()).finding == "wrong"
     assert verdict_of(lambda x: x**2 * (1 + 1e-12), known()).mistake == "squared"
@@ -215,7 +215,7 @@ def test_a_fingerprint_identifies_a_misconception():
     assert judged(lambda x: -2 * x).finding == "wrong"
 
 
-def test_a_misconception_with_another_shape_is_recognised():
+def test_a_misconception_with_another_shape_is_recognized():
     """The student reads the sentence of the misconception instead of the shapes."""
     columns = perform({"twice": lambda x: 3 * x[:, None]}, CALLS, 1)
     transposed = Mistake("columns", "These are columns.", columns)

@@ -52,7 +52,7 @@ def test_normals_and_planarity_agree_with_the_library(random):
 
 
 def test_neighbours_agree_with_a_kd_tree(random):
-    """The neighbour graph is symmetrised."""
+    """The neighbour graph is symmetrized."""
     points = random.normal(size=(60, 3))
     nearest = cKDTree(points).query(points, 6)[1][:, 1:]
     graph = np.zeros((60, 60))

@@ -103,7 +103,7 @@ def test_the_typical_section_converges_to_its_closed_form():
     assert NOTEBOOK["divergence"](k, h, a) == pytest.approx(1 / lam)
 
 
-def test_iterates_are_powers_and_divergence_is_a_generalised_eigenvalue():
+def test_iterates_are_powers_and_divergence_is_a_generalized_eigenvalue():
     """Errors are multiplied by I − ω (I − K⁻¹HᵀAH); SciPy solves K u = q HᵀAH u."""
     random = np.random.default_rng(9)
     k, h, f0, a = wing(random, 4, 6)

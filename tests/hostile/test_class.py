@@ -67,8 +67,8 @@ def write_class(folder):
     return fair
 
 
-def command(folder, out):
-    options = ["--out", out, "--root", str(ROOT), "--tier", HERE[0], "--jobs", str(WORKERS)]
+def command(folder, out, workers=WORKERS):
+    options = ["--out", out, "--root", str(ROOT), "--tier", HERE[0], "--jobs", str(workers)]
     return [sys.executable, "-c", GRADER, "grade", str(folder / "in"), *options]
 
 
@@ -80,7 +80,7 @@ def graded_students(out):
 
 def kill_in_the_middle(folder):
     """Begin to grade, kill the grader after a third of the class, and return who was graded."""
-    process = subprocess.Popen(command(folder, str(folder / "out")), stdout=subprocess.DEVNULL)
+    process = subprocess.Popen(command(folder, str(folder / "out"), 4), stdout=subprocess.DEVNULL)
     while len(graded_students(folder / "out")) < STUDENTS // 3:
         assert process.poll() is None
         time.sleep(0.05)
@@ -95,7 +95,7 @@ def a_class(tmp_path_factory):
     folder = tmp_path_factory.mktemp("class")
     fair = write_class(folder / "in")
     before = kill_in_the_middle(folder)
-    resumed, _ = peak_memory(command(folder, str(folder / "out")))
+    resumed, _ = peak_memory(command(folder, str(folder / "out"), 4))
     again, peak = peak_memory(command(folder, str(folder / "again")))
     print(f"{STUDENTS} students, {WORKERS} workers: {peak >> 20} MiB")
     assert (resumed, again) == (3, 3)

@@ -90,7 +90,7 @@ def test_page_05_the_normal_equations():
     close(LeastSquares(POINTS).coefficients(VALUES), c)
 
 
-def test_page_06_the_minimised_function():
+def test_page_06_the_minimized_function():
     """ψ = ½‖Bc - V‖².
 
     On the printed formula see test_errata.test_the_minimized_function_is_half_the_squared_norm.

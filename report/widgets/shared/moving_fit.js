@@ -25,7 +25,7 @@ function movingFit(sites, values, counts, [x, y], degree, without = -1) {
   return { value: mf - slope[0] * mx - slope[1] * my, slope, mean: [mx, my], level: mf };
 }
 
-// The minimised objective: half the sum of the squared weighted residuals of a fit.
+// The minimized objective: half the sum of the squared weighted residuals of a fit.
 function objective(sites, values, counts, [x, y], { slope, mean, level }) {
   let sum = 0;
   for (let i = 0; i < sites.length; i++) {

@@ -86,7 +86,7 @@ def spans_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> floa
     )
 
 
-# 01.2 and 01.6 The fit, and the minimised objective
+# 01.2 and 01.6 The fit, and the minimized objective
 
 
 def fit_inputs(seed: int) -> tuple[Call, ...]:

@@ -317,7 +317,7 @@ def is_tangent(call: Call, values: Values) -> float:
 
 
 def up_to_a_factor(_: Call, values: Values) -> Values:
-    """Return coefficients normalised to length one and a fixed sign."""
+    """Return coefficients normalized to length one and a fixed sign."""
     (c,) = values
     size = float(np.sqrt(c.dot(c))) or 1.0
     return (c / (size if c.dot(np.sin(np.arange(1.0, 1 + c.size))) >= 0 else -size),)
@@ -382,7 +382,7 @@ def with_one_sign(_: Call, values: Values) -> Values:
 
 
 def sizes(call: Call, values: Values) -> Values:
-    """Return the absolute values of the coefficients, normalised to length one.
+    """Return the absolute values of the coefficients, normalized to length one.
 
     A misconception may combine entries of several singular vectors, whose signs are arbitrary.
     """

@@ -101,7 +101,7 @@ def cells_of_integers(random: np.random.Generator) -> tuple[tuple[Star, np.ndarr
     """Return a cell of eight corners with three points inside, and one of four with one point.
 
     Corners and points are arrays of integers. Vertices and neighbours have the type float, since a
-    right answer may normalise their differences in place.
+    right answer may normalize their differences in place.
     """
     large = 32 * octagon(random)  # multiples of eight, so that their mean is an integer
     middle, half = random.integers(-90, 90, 2), random.integers(20, 90, 2)

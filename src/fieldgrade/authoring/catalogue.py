@@ -41,7 +41,7 @@ class Entry:
     function : callable
         The answer.
     named : bool
-        Whether a mistake can be recognised. It cannot if it returns rounding errors, which differ
+        Whether a mistake can be recognized. It cannot if it returns rounding errors, which differ
         between processors.
     """
 

@@ -40,7 +40,7 @@ def known_answers(
 def known_mistakes(
     question: Question, calls: Sequence[Call], functions: dict[str, Any], mistakes: Sequence[Entry]
 ) -> tuple[Mistake, ...]:
-    """Return the values of each recognisable mistake for the calls."""
+    """Return the values of each recognizable mistake for the calls."""
     limit = TIMEOUT_FACTOR * question.limit
     return tuple(
         Mistake(m.name, m.sentence, perform(m.namespace(functions), calls, limit))

@@ -71,7 +71,7 @@ NOTES: Mapping[str, re.Pattern[str]] = {
     "several files": re.compile(r" is not graded: "),
     "error in a cell": re.compile(r"^code cell \d+\b"),
 }
-"""How the notes of the grader are recognised."""
+"""How the notes of the grader are recognized."""
 
 UNCOUNTED = "notebook does not count"
 """Its details count students, and change with each submission of others."""

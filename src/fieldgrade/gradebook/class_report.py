@@ -123,7 +123,7 @@ def _chapters(values: Mapping[str, Any], titles: Mapping[str, str]) -> Iterator[
         mistakes = (
             mistakes_text.substitute(number=number)
             if has_mistakes
-            else "No mistake was recognised."
+            else "No mistake was recognized."
         )
         title = f"Notebook {number}: {titles.get(number, '')}".rstrip(": ")
         yield number, chapter.substitute(number=number, title=title, mistakes=mistakes) + "\n"

@@ -49,7 +49,7 @@ class ItemStatistics:
     discrimination : float, optional
         See `discrimination`.
     mistakes : tuple of (str, int)
-        The most common mistakes with counts: recognised ones by name, others by their outcome.
+        The most common mistakes with counts: recognized ones by name, others by their outcome.
     title : str
         The title of the question.
     """
@@ -144,7 +144,7 @@ def _commonest(mistakes: Counter[str]) -> list[tuple[str, int]]:
 
 
 def _mistake(line: GradeLine) -> str:
-    """Return the recognised mistake of an answer, or its outcome."""
+    """Return the recognized mistake of an answer, or its outcome."""
     if line.grade is None or line.grade.verdict.right:
         return ""
     return line.grade.verdict.mistake or OUTCOMES[line.grade.verdict.finding]

@@ -142,7 +142,7 @@ def code(student: str, cells: Iterable[str]) -> Code:
     left, left_out = MOST_NODES, len(cells) - len(short)
     for cell, function in found:
         first = min([function.lineno, *(n.lineno for n in function.decorator_list)])
-        its = [(kind, n - first) for kind, n in islice(normalised(function, own), left + 1)]
+        its = [(kind, n - first) for kind, n in islice(normalized(function, own), left + 1)]
         if len(its) > left or len(nodes) == MOST_COMPARED:
             left_out += 1
             continue
@@ -162,7 +162,7 @@ def _functions(cell: str) -> list[ast.FunctionDef]:
     return [n for n in tree.body if isinstance(n, ast.FunctionDef) and not is_stub(n)]
 
 
-def normalised(function: ast.FunctionDef, own: Collection[str] = ()) -> Iterator[Node]:
+def normalized(function: ast.FunctionDef, own: Collection[str] = ()) -> Iterator[Node]:
     """Yield the nodes of a function in normal form, in order.
 
     All names that the function binds are equal, as are all strings; docstrings, annotations and

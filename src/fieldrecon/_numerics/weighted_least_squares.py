@@ -1,6 +1,6 @@
 """Many small weighted least-squares problems at once.
 
-For each of m queries, C with c = C f minimises sum_i w_i^2 (b_i^T c - f_i)^2. Where the matrix is
+For each of m queries, C with c = C f minimizes sum_i w_i^2 (b_i^T c - f_i)^2. Where the matrix is
 well conditioned, the normal equations are solved by elimination, batched over the queries. They
 square the condition number. One step of iterative refinement, C + (I - C B) C, mends this: the
 errors are those of QR, at a fraction of its cost. It needs all coefficients. If only the first ones
@@ -186,7 +186,8 @@ def by_elimination(g: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray, np
     m, q, _ = g.shape
     diagonal = np.einsum("mii->mi", g)
     size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-    t = np.zeros((q, q + rows, m))  # queries last: each step runs over contiguous memory
+    # each step runs over contiguous memory: the queries are last, or the columns if there are more
+    t = np.zeros((q, q + rows, m)) if m > q else np.zeros((m, q, q + rows)).transpose(1, 2, 0)
     t[:, :q] = (g / (size[:, :, None] * size[:, None, :])).transpose(1, 2, 0)
     t[range(rows), range(q, q + rows)] = 1.0
     least, determinant = np.ones(m), np.ones(m)
@@ -195,9 +196,8 @@ def by_elimination(g: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray, np
         least = np.fmin(least, pivot)
         determinant *= pivot
         t[j, j:] /= np.where(pivot > _SAFE_PIVOT, pivot, 1.0)
-        for i in range(q):
-            if i != j:
-                t[i, j + 1 :] -= t[i, j] * t[j, j + 1 :]
+        for others in (t[:j], t[j + 1 :]):
+            others[:, j + 1 :] -= others[:, j, None] * t[j, j + 1 :]
     safe = (least > _SAFE_PIVOT) & (diagonal > _SMALLEST_SQUARE).all(axis=1)
     scaled = t[:, q:].transpose(2, 0, 1) / size[:, :, None]
     return scaled / size[:, None, :rows], safe, determinant

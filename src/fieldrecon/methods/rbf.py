@@ -60,7 +60,7 @@ class RBF(Reconstruction):
     degree : int, optional
         Degree of the polynomial; `kernel.order - 1` by default, and no less. -1 for none.
     smoothing : float or (n,) array_like
-        Added to the diagonal, all of it or datum by datum: the field minimises
+        Added to the diagonal, all of it or datum by datum: the field minimizes
         sum_i (f(p_i) - f_i)^2 / smoothing_i + energy. See the notes for the unit.
     metric : (d,) or (d, d) array_like, optional
         Distances other than the Euclidean one: scales of the coordinates, for which it is

@@ -126,7 +126,7 @@ def vertex_velocities(
 ) -> VertexVelocities:
     """Velocities at vertices from the normal velocities of the faces around.
 
-    About each vertex x_i the affine field u(x) = c_0 + sum_k (x - x_i)_k c_k that minimises
+    About each vertex x_i the affine field u(x) = c_0 + sum_k (x - x_i)_k c_k that minimizes
     sum_a w_a^2 (n_a . u(p_a) - v_a)^2, with p_a the centroids of the faces of the cells round it;
     its value is u(x_i) = c_0. If those faces do not determine it, as at a vertex with three or
     four triangles, the faces of the next ring of cells are added, and so on. Only c_0 has to be

@@ -43,7 +43,7 @@ def hidden_sentences():
 def verdicts():
     """The verdicts on values that are not finite, and on multiples of the right ones.
 
-    Another multiple in each case gives the longest sentences. No mistakes are recognised.
+    Another multiple in each case gives the longest sentences. No mistakes are recognized.
     """
     sentences = []
     for question in QUESTIONS:

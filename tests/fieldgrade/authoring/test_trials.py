@@ -1,4 +1,4 @@
-"""Trials of an answer: misconceptions are recognised on any inputs and evaluated only on demand."""
+"""Trials of an answer: misconceptions are recognized on any inputs and evaluated only on demand."""
 
 from itertools import chain
 
@@ -9,7 +9,7 @@ from fieldcheck.questions import get, questions
 from fieldgrade.authoring.catalogue import entries
 from fieldgrade.authoring.hidden_cases import hidden_cases
 from fieldgrade.authoring.known_answers import known_answers
-from fieldgrade.authoring.trials import trials
+from fieldgrade.authoring.trials import public_trial, trials
 from fieldgrade.grader_validation.rounding_errors import perturbed
 from graded_class import SOURCES
 
@@ -18,12 +18,15 @@ FUNCTIONS, MISTAKES = SOURCE.functions(), entries(SOURCE, "misconceptions")
 
 
 def trials_of_class(number, count):
-    """The trials of each student of a class in one notebook."""
+    """The public trials of a notebook, by question, and then the others of each student."""
     source = SOURCES[number]
     functions, hidden = source.functions(), hidden_cases(source)
-    asked = [q for q in questions().values() if q.notebook == number]
+    asked = {q.name: q for q in questions().values() if q.notebook == number}
+    public = {name: public_trial(q, functions, ()) for name, q in asked.items()}
+    yield {name: (trial,) for name, trial in public.items()}
     for k in range(count):
-        yield {q.name: trials(q, functions, (), hidden, f"student {k}", "a salt") for q in asked}
+        its = (functions, (), hidden, f"student {k}", "a salt")
+        yield {name: trials(q, *its, public[name])[1:] for name, q in asked.items()}
 
 
 @pytest.mark.parametrize(
@@ -74,7 +77,7 @@ def tried(question):
 @pytest.mark.parametrize(
     "question", ["01.1", *(pytest.param(q, marks=pytest.mark.slow) for q in ("01.2", "01.4"))]
 )
-def test_misconceptions_are_recognised_on_hidden_inputs(question):
+def test_misconceptions_are_recognized_on_hidden_inputs(question):
     """The student reads the sentence of the misconception, which reveals no input."""
     mistakes = [m for m in MISTAKES if m.question == question]
     for trial in tried(question):

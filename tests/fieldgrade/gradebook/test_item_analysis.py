@@ -78,7 +78,7 @@ def test_failures_and_means_are_fractions_of_graded_answers():
 
 
 def test_misconceptions_are_sorted_by_frequency():
-    """An answer without a recognised misconception is not counted among them."""
+    """An answer without a recognized misconception is not counted among them."""
 
     def answer(name):
         return grade("01.1", 0.0, finding="misconception" if name else "shape", mistake=name)

@@ -13,7 +13,7 @@ from fieldgrade.gradebook.similarity import (
     WINDOW,
     K,
     code,
-    normalised,
+    normalized,
     pairs,
     similarity_page,
     to_table,
@@ -57,11 +57,11 @@ def fit(points, values):
 
 
 def nodes_of(text):
-    return [what for what, _ in normalised(ast.parse(text).body[0])]
+    return [what for what, _ in normalized(ast.parse(text).body[0])]
 
 
 def test_names_comments_docstrings_and_layout_do_not_affect_similarity():
-    """Variable names, comments, annotations and white space are not part of the normalised tree."""
+    """Variable names, comments, annotations and white space are not part of the normalized tree."""
     assert nodes_of(FIT) == nodes_of(RENAMED)
     assert code("a", [FIT]).all_prints() == code("b", [RENAMED]).all_prints()
 

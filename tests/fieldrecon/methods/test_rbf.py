@@ -260,7 +260,7 @@ def test_second_derivatives_at_a_site_are_refused_where_they_do_not_exist():
     assert_close(s.hessian(POINTS[:5]), beside, 1e-5 * np.abs(beside).max())
 
 
-def test_smoothing_minimises_misfit_and_energy():
+def test_smoothing_minimizes_misfit_and_energy():
     """The minimum of |s(p) - f|² + smoothing λᵀAλ satisfies f - s(p) = smoothing λ.
 
     With more smoothing the energy decreases and the misfit increases.

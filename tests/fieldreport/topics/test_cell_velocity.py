@@ -83,7 +83,7 @@ def places(corners, strains=7):
 def test_each_field_attains_its_velocity_at_a_triangle_centre(k):
     """Rotation at the circumcentre, expansion at the symmedian point, strain on Feuerbach's circle.
 
-    The circle passes through the midpoints of the sides, by which the test recognises it.
+    The circle passes through the midpoints of the sides, by which the test recognizes it.
     """
     corners = some_triangles()[k]
     at = places(corners)

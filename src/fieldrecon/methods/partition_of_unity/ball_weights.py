@@ -37,7 +37,7 @@ def bump(offset: np.ndarray, order: int = 0) -> np.ndarray:
 
 
 def weights_of_balls(centers: np.ndarray, radii: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Weights (p, s) of balls (p,) at points x (p, s, d), before normalisation."""
+    """Weights (p, s) of balls (p,) at points x (p, s, d), before normalization."""
     away = (x - centers[:, None, :]) / radii[:, None, None]
     inside = np.einsum("psd,psd->ps", away, away) < 1
     weight = np.zeros(inside.shape)

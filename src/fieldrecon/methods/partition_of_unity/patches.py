@@ -133,7 +133,7 @@ class Patches:
         return Pairs(query[inside], patch[inside], offset[inside])
 
     def weights(self, patch: np.ndarray, x: np.ndarray) -> np.ndarray:
-        """Weights (p, s) of patches (p,) at points (p, s, d), before normalisation."""
+        """Weights (p, s) of patches (p,) at points (p, s, d), before normalization."""
         return weights_of_balls(self.centers[patch], self.radii[patch], x)
 
 

@@ -1,7 +1,7 @@
 """Choice of ε for moving least squares: errors and three criteria from the data alone.
 
 The weight 1/(r² + ε²) has one parameter. A sweep over six decades shows the errors of value and
-gradient, with exact and with noisy data, and three criteria that need only the data: the minimised
+gradient, with exact and with noisy data, and three criteria that need only the data: the minimized
 objective ψ, ψ divided by the sum of the squared weights, and the leave-one-out error. The regret of
 a criterion is the error at its ε divided by the error at the best ε.
 
