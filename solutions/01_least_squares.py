@@ -188,7 +188,8 @@ print("residual:", three_b @ three_c - three_values)
 # %% [markdown]
 # ### 01.2 The coefficients
 #
-# Write a function that returns the coefficients $\mathbf{c}$ of the best fit.
+# Write a function that returns the coefficients $\mathbf{c}$ of the best fit. The solution of (1.4)
+# is unique for all inputs.
 #
 # <details><summary>Hint</summary>
 #

@@ -244,7 +244,8 @@ print("H c for c = (0, 5/2):", three_h @ np.array([0.0, 2.5]))
 # %% [markdown]
 # ### 02.2 The coefficients
 #
-# Write a function that solves (2.5) for given weights, all of them positive.
+# Write a function that solves (2.5) for given weights, all of them positive. In all questions of
+# this notebook the points determine the coefficients.
 #
 # <details><summary>Hint</summary>
 #
@@ -357,8 +358,8 @@ def line_at_a_point(x, epsilon):
 #
 # ### 02.4 The field at many evaluation points
 #
-# Write a function that evaluates (2.6) at $M$ evaluation points. A loop over the
-# evaluation points is fine.
+# Write a function that evaluates (2.6) at $M$ evaluation points. The points of the data are near
+# the origin. A loop over the evaluation points is fine.
 
 
 # %% question="02.4" minutes=20
@@ -559,8 +560,8 @@ def valley(x, epsilon):
 # %% [markdown]
 # ## The gradient
 #
-# A force is the gradient of a pressure, so we often need the gradient of $f$ and not $f$ itself. By
-# the product rule, (2.6) has
+# Forces follow from the gradient of a pressure, so we often need the gradient of $f$ and not $f$
+# itself. By the product rule, (2.6) has
 #
 # $$ \frac{\partial f}{\partial x_k} = c_k(\mathbf{x}) +
 #    \mathbf{b}(\mathbf{x})^T \frac{\partial \mathbf{c}}{\partial x_k}(\mathbf{x}). \tag{2.8} $$
@@ -1044,12 +1045,12 @@ def landscape_errors(number, noise):
 
 
 # %% [markdown]
-# **What to look at.** Without noise the error is nearly constant for $\varepsilon$ below 0.4 km.
-# It grows from the spacing of the points on, which is 0.85 km for 250 points. These heights have
-# little noise, so averaging does not help. Set the noise to 100 m. Now the true error is smallest
-# for an $\varepsilon$ of about 0.6 km, and leave-one-out selects 0.9 km. The true errors of the
-# two choices differ by 2 %. Why is the leave-one-out error with this noise larger than the true
-# error?
+# **What to look at.** Without noise the error is nearly constant for $\varepsilon$ below 0.4 km. It
+# grows where $\varepsilon$ exceeds the spacing of the points, which is 0.85 km for 250 points.
+# These heights have little noise, so averaging does not help. Set the noise to 100 m. Now the true
+# error is smallest for an $\varepsilon$ of about 0.6 km, and leave-one-out selects 0.9 km. The true
+# errors of the two choices differ by 2 %. Why is the leave-one-out error with this noise larger
+# than the true error?
 #
 # ### In words
 #

@@ -539,7 +539,8 @@ def flattened(height):
 # %% [markdown]
 # ## The gradient
 #
-# A force is the gradient of a pressure, so we often need the gradient of the field. From (3.2)
+# Forces follow from the gradient of a pressure, so we often need the gradient of the field. From
+# (3.2)
 #
 # $$ \nabla f(\mathbf{x}) = (c_1, \dots, c_D)^T +
 #    \sum_{j=1}^N \lambda_j\, \nabla w(\mathbf{x} - \mathbf{p}_j) . \tag{3.6} $$
@@ -617,12 +618,13 @@ def arrows():
 #
 # The integral over the whole plane is finite only because of (3.4). It cannot be negative. So
 # $\boldsymbol{\lambda}^T \mathbf{A} \boldsymbol{\lambda} \geq 0$ for all $\boldsymbol{\lambda}$
-# that satisfy (3.4), although $\mathbf{A}$ itself has eigenvalues of both signs. Such a kernel is
-# called *conditionally positive definite*.
+# that satisfy (3.4), although $\mathbf{A}$ itself has eigenvalues of both signs. If the points
+# differ, only $\boldsymbol{\lambda} = \mathbf{0}$ gives zero. Such a kernel is called
+# *conditionally positive definite*.
 #
 # ### 03.7 The energy
 #
-# Write $E$ for points of the plane and their values.
+# Write $E$ for points of the plane and their values. The solution of (3.5) is unique.
 
 
 # %% question="03.7" minutes=15

@@ -21,7 +21,7 @@
 # Many flow solvers know only the velocity *across* each edge of a mesh: one number for each edge,
 # the normal component. The whole velocity has to be reconstructed from several of these numbers. In
 # this notebook you find out when they determine an affine flow. Six equations for six unknowns are
-# not enough: the rank of the system depends on the positions and on the normals.
+# not always enough: the rank of the system depends on the positions and on the normals.
 #
 # **Source**: Erleben, *Field Reconstruction: A Quick Survey of Methods* (the slides). **Search
 # for**: full column rank, null space, singular value decomposition, normal velocity, staggered
@@ -279,8 +279,8 @@ def four_ranks():
 
 # %% [markdown]
 # **What to look at.** The eight points are the same in all pictures, and $\mathbf{B}'$ has eight
-# rows each time. Only the normals differ. The second and the third loss of rank are easy to
-# explain. The fourth is not: no two of these normals are parallel.
+# rows each time. Only the normals differ. The losses of rank in the second and the third
+# picture are easy to explain. That in the fourth is not: no two of these normals are parallel.
 #
 # ## The null space
 #
@@ -544,9 +544,9 @@ check("04.6")
 #
 # As in 04.2 the rank must depend neither on the origin nor on the unit of length. Scale the
 # vertices to size one before you form the squares, and count singular values below $10^{-9}$ as
-# zero. There are two vertices or more. They may even be on a line, although no star is, but never
-# on one parallel to an axis. So you may divide both coordinates by the same number, or each
-# coordinate by its own.
+# zero. There are two vertices or more. They may even be on a line, although no star is. Their
+# extents in $x$ and in $y$ are of similar size. So you may divide both coordinates by the same
+# number, or each coordinate by its own.
 
 
 # %% question="04.7" minutes=15

@@ -216,8 +216,8 @@ check("05.1")
 #
 # ### 05.2 Midpoints and normals
 #
-# Write a function that returns both arrays, with one row for each edge. An edge may have any length
-# and direction, and the mesh may be far from the origin.
+# Write a function that returns both arrays, with one row for each edge. An edge may have any
+# positive length and any direction, and the mesh may be far from the origin.
 
 
 # %% question="05.2" minutes=15
@@ -408,8 +408,8 @@ def truth_and_data(seed):
 # %% [markdown]
 # ## The ring of a vertex
 #
-# To find the velocity at one vertex we use edges around it. The edges that end in the vertex are
-# not enough: the field $\mathbf{x} - \mathbf{x}_i$ is tangent to all of them. So we take all edges
+# To find the velocity at one vertex we use edges around it. The edges that end in the vertex do not
+# determine the field: $\mathbf{x} - \mathbf{x}_i$ is tangent to all of them. So we take all edges
 # of the triangles that meet in the vertex: its *one-ring*. If this is not enough, we add the
 # triangles that share at least one corner with the one-ring: the edges of all these triangles are
 # the *two-ring*. In general, each further ring adds the triangles that share a corner with the
@@ -419,7 +419,8 @@ def truth_and_data(seed):
 #
 # Write a function that returns, for each edge, whether it belongs to the ring. As in 05.1, the
 # triangles may be a part of a mesh. The edges are the sides of these triangles, each once, in any
-# order and direction. The vertex is a corner of at least one triangle.
+# order and direction. The vertex is a corner of at least one triangle, and there is at least one
+# ring.
 #
 # <details><summary>Hint: from a vertex to triangles</summary>
 #

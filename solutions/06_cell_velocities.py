@@ -243,8 +243,8 @@ check("06.2")
 #
 # Each equation $\mathbf{n}_a \cdot \mathbf{u} = v_a$ is a line in the plane of all velocities. The
 # right panel shows the three lines for the triangle of the left panel, and the dot is your
-# velocity. The slider *source* adds a multiple of $l_a$ to each $v_a$, so that more fluid leaves
-# the triangle than enters it.
+# velocity. The slider *source* adds a multiple of $l_a$ to each $v_a$. If it is positive, more
+# fluid leaves the triangle than enters it.
 
 
 # %%
@@ -778,9 +778,9 @@ def defect_and_error(s, strain, noise):
 
 
 # %% [markdown]
-# **What to look at.** With expansion only, $\mathbf{w}(\mathbf{O})$ is exact and least squares is
-# not. Set $s = 0$ and turn on the *strain*: all defects are zero up to rounding, but the errors of
-# both methods are not. Then set $s$ and the strain to zero, and try *noise* alone.
+# **What to look at.** Without strain and noise, $\mathbf{w}(\mathbf{O})$ is exact and least squares
+# is not. Set $s = 0$ and turn on the *strain*: all defects are zero up to rounding, but the errors
+# of both methods are not. Then set $s$ and the strain to zero, and try *noise* alone.
 #
 # ### In words
 #

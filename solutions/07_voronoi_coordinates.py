@@ -249,8 +249,8 @@ def two_duals(distance):
 
 
 # %% [markdown]
-# **What to look at.** Each edge of the left dual is perpendicular to an edge of the mesh and
-# bisects it, wherever the vertex is. The edges of the right dual do neither. Beyond the distance 2
+# **What to look at.** Each edge of the left dual lies on the perpendicular bisector of an edge of
+# the mesh, wherever the vertex is. Those of the right dual in general do not. Beyond the distance 2
 # the sum of the two angles opposite to an edge exceeds 180°: the mesh is no longer a Delaunay mesh.
 # Then two circumcentres exchange their order, and the left dual intersects itself. Question 07.10
 # asks for the reason.
@@ -382,7 +382,8 @@ check("07.4")
 # coordinates must sum to 1, and $\sum_a \omega_a(\mathbf{x})\, \mathbf{p}_a = \mathbf{x}$ must
 # hold. The first requirement is called *partition of unity* and the second one *linear precision*.
 # Other coordinates satisfy both, too, but here those of (7.6) are required, for cells of any size,
-# and for points inside and outside, but not on a line through an edge.
+# and for points inside and outside. No point is on a line through an edge, and at none is the sum
+# in (7.6) zero.
 
 
 # %% question="07.5" minutes=10
@@ -601,10 +602,10 @@ def under_the_pointer(x):
 # ### 07.8 Coordinates without division
 #
 # Write a function that returns the coordinates (7.10) of many points. They must be accurate inside
-# the cell, on its edges, in its corners and outside, also on the extension of an edge. The cell may
-# be far from the origin and may have any size, such as $10^{-9}$. (Such a small cell has at most
-# ten neighbours: a product of many more tiny $h_b$ is rounded to zero.) The circumcentres are not
-# arguments, since (7.10) does not need them.
+# the cell, on its edges, in its corners and outside, also on the extension of an edge. At no given
+# point is the sum in (7.10) zero. The cell may be far from the origin and may have any size, such
+# as $10^{-9}$. (Such a small cell has at most ten neighbours: a product of many more tiny $h_b$ is
+# rounded to zero.) The circumcentres are not arguments, since (7.10) does not need them.
 #
 # <details><summary>Hint</summary>
 #

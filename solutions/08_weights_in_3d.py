@@ -21,7 +21,7 @@
 # In a mesh of tetrahedra a solver stores its pressures at circumcentres too. The circumcentres
 # around a vertex are the corners of a polyhedron, the Voronoi cell of the vertex. The weights that
 # interpolate in this cell look like those of the plane, with $6V$ in place of $2A$. This notebook
-# proves this in four steps and tests every step by a computation.
+# proves this in three steps and tests it by computations. A fourth step avoids the circumcentres.
 #
 # **Sources**: the lecture slides "Field Reconstruction" by K. Erleben, pages 27–37 and 46; J.
 # Warren, S. Schaefer, A. Hirani and M. Desbrun, *Barycentric coordinates for convex sets* (2007);
@@ -568,8 +568,8 @@ def from_every_corner(b):
 # %% [markdown]
 # ### 08.10 Coordinates without division
 #
-# Multiply all weights (8.2) by the product of all heights. The ratios do not change, and all
-# denominators cancel:
+# Multiply all weights (8.2) by the product of all heights, and divide them by 6. The ratios do not
+# change, and all denominators cancel:
 #
 # $$ \omega_a = \frac{c_a}{\sum_e c_e}, \qquad c_a(\mathbf{x}) = V_a \prod_{b \,\notin\, \{j, k,
 #    m\}} h_b(\mathbf{x}) . \tag{8.6} $$

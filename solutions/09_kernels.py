@@ -313,8 +313,8 @@ def both_sides(k):
 #
 # $$ \text{order of } \varphi_k = \lfloor k/2 \rfloor + 1 , \tag{9.7} $$
 #
-# in any number of variables. Micchelli (1986) proved it for all sets of distinct points; the
-# picture shows one set of fourteen points.
+# in any number of variables; $\lfloor\;\rfloor$ means rounded down. Micchelli (1986) proved it for
+# all sets of distinct points; the picture shows one set of fourteen points.
 
 # %% [markdown]
 # ## Unisolvent points
@@ -335,7 +335,7 @@ def both_sides(k):
 # origin the columns of $\mathbf{P}$ are nearly multiples of each other. So first shift the points
 # to the mean zero, and divide them by their size, such as the largest absolute value of a
 # coordinate. Then treat singular values of $\mathbf{P}$ of at most $10^{-10}$ times the largest one
-# as zero. There may be fewer of them than columns.
+# as zero. With fewer points than columns there are fewer singular values than columns.
 #
 # <details><summary>Hint</summary>
 #
@@ -480,12 +480,15 @@ def your_field(k, degree):
 
 
 # %%
-def terrain_sample(number, seed):
-    """Return points (number, 2) in kilometres and their heights in metres, at random nodes."""
+def terrain_sample(first, number):
+    """Return points (number, 2) in kilometres and their heights in metres.
+
+    They are nodes of the model in random order, the same on every call, from the `first` on.
+    """
     with get_sample_data("jacksboro_fault_dem.npz") as file:
         height = file["elevation"][::-1].astype(float)
-    random = np.random.default_rng(seed)
-    row, column = (random.integers(0, 240, number) for _ in range(2))
+    nodes = np.random.default_rng(1).permutation(240 * 240)
+    row, column = np.divmod(nodes[first : first + number], 240)
     return np.stack([0.075 * column, 0.092 * row], axis=1), height[row, column]
 
 
@@ -494,8 +497,8 @@ def terrain_sample(number, seed):
     k=Slider(1, 5, 2, "power k in the map", whole=True),
 )
 def terrain(number, k):
-    sites, heights = terrain_sample(number, 1)
-    held_out, exact = terrain_sample(400, 2)
+    held_out, exact = terrain_sample(0, 400)
+    sites, heights = terrain_sample(400, number)
     powers = np.arange(1, 6)
     errors = [
         np.sqrt(np.mean((interpolate(sites, heights, p, p // 2, held_out) - exact) ** 2))
@@ -573,9 +576,9 @@ def on_a_line(more):
 # %% [markdown]
 # ## Compactly supported kernels
 #
-# The kernels $\varphi_k$ do not vanish anywhere, so every point affects every other one and the
-# matrix is full. Wendland's functions are zero beyond the distance 1, so that most entries of
-# $\mathbf{A}$ are zero, and they need no polynomial. With $y_+ = \max(y, 0)$,
+# The kernels $\varphi_k$ do not vanish at large distances, so every point affects every other one
+# and the matrix is full. Wendland's functions are zero beyond the distance 1, so that most entries
+# of $\mathbf{A}$ are zero, and they need no polynomial. With $y_+ = \max(y, 0)$,
 #
 # $$ \ell = \lfloor D/2 \rfloor + s + 1, \qquad \psi_{D,0}(r) = (1-r)_+^{\ell}, \qquad
 #    \psi_{D,1}(r) = (1-r)_+^{\ell+1} \bigl( (\ell+1)\, r + 1 \bigr) . \tag{9.8} $$

@@ -202,7 +202,7 @@ def two_sums(middle):
 # %% [markdown]
 # **What to look at.** The grey terms and the dashed lines of the two panels differ, the sums do
 # not. On the left all terms vanish before the first site. On the right each term vanishes at its
-# own site only, and the picture is symmetric. By (10.2) the sum is straight on both sides.
+# own site only, and is symmetric about it. By (10.2) the sum is straight on both sides.
 
 # %% [markdown]
 # ## The saddle-point system
@@ -598,8 +598,8 @@ def round_trip():
 #
 # Write a function that computes $E(s)$ exactly from the moments, also where the sites are far
 # from the origin: $s''$ is a broken line, and its square is a parabola on each interval. In the
-# worked example the moments are $0, -3, 0$, and $E(s) = 3 + 3 = 6$. In the check the moments at
-# both ends need not be zero.
+# worked example the moments are $0, -3, 0$, and $E(s) = 3 + 3 = 6$. Integrate from $x_1$ to
+# $x_N$. In the check the moments at both ends need not be zero.
 #
 # <details><summary>Hint</summary>
 #
@@ -777,8 +777,8 @@ def influence(which):
 
 # %% [markdown]
 # **What to look at.** From one pin to the next the influence decreases by the factor
-# $2 - \sqrt{3} \approx 0.268$. To derive this number, substitute $M_i = z^i$ into (10.7), with
-# equal steps and zeros on the right side.
+# $2 - \sqrt{3} \approx 0.268$. To derive this number, up to its sign, substitute $M_i = z^i$ into
+# (10.7), with equal steps and zeros on the right side.
 #
 # ## In words
 #

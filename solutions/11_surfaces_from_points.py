@@ -353,7 +353,8 @@ def spanning_tree():
 # ### 11.3 Orientation
 #
 # The normals are given, and the links as an array of ones and zeros. Return the oriented normals.
-# Each component has a single highest point, and the last component of its normal is not zero.
+# Each component of the graph has a single highest point, where the last coordinate of the normal is
+# not zero.
 # Where several links are equally cheap, all lead to the same normals.
 #
 # <details><summary>Hint 1</summary>
@@ -439,7 +440,7 @@ def oriented(k):
 # part of the body. Carr and others (*Reconstruction and representation of 3D objects with radial
 # basis functions*, SIGGRAPH 2001, pages 67–76) use a simple test: among all points of the cloud,
 # $\mathbf{p}_i$ must be the *nearest* to its own off-surface point. If it is not, halve the
-# distance and test again:
+# distance and test again. With the first distance $\Delta$ (`distance`) this gives
 #
 # $$ \delta = \Delta / 2^m \quad \text{with the smallest } m \ge 0 \text{ for which the test is
 #    passed.} \tag{11.6} $$
@@ -487,10 +488,10 @@ check("11.4")
 #    \begin{bmatrix} \boldsymbol\lambda \\ \mathbf{c} \end{bmatrix} =
 #    \begin{bmatrix} \mathbf{f} \\ \mathbf{0} \end{bmatrix} , \tag{11.8} $$
 #
-# where $c_0$ is the first entry of $\mathbf{c}$. The kernel $r^3$ is *conditionally positive
-# definite*: with the side conditions $\mathbf{P}^T\boldsymbol\lambda = \mathbf{0}$ the system has a
-# unique solution, provided the sites do not all lie in one plane (in the plane: on one line). It is
-# the same kind of system as in notebook 03.
+# where $\mathbf{c}$ is $c_0$ followed by the $\mathbf{c}$ of (11.7). The kernel $r^3$ is
+# *conditionally positive definite*: with the side conditions $\mathbf{P}^T\boldsymbol\lambda =
+# \mathbf{0}$ the system has a unique solution, provided the sites do not all lie in one plane (in
+# the plane: on one line). It is the same kind of system as in notebook 03.
 #
 # ### 11.5 The coefficients
 #

@@ -156,7 +156,7 @@ def system(nodes):
 #
 # so $\mathbf{H} = \frac1{32} (13, 22, -3)$. The weights sum to 1. Their mean of the nodes is
 # $(22 - 3 \cdot 2) / 32 = 1/2$, the point $y$ itself. Check one row of the system by hand; the next
-# cell computes all of them. The force in the last two lines is explained below.
+# cell solves the system. The force in its last line is explained below.
 
 # %%
 line = np.array([[0.0], [1.0], [2.0]])
@@ -369,7 +369,7 @@ check("12.4")
 # - each force applied to the nearest node, by `nearest_node`;
 # - your transpose (12.4).
 #
-# The three numbers are the relative errors of the lift, of the moment that bends the wing, and of
+# The three columns show the relative errors of the lift, of the moment that bends the wing, and of
 # the moment that twists it. Errors below $10^{-16}$ are drawn at $10^{-16}$.
 
 
@@ -769,9 +769,10 @@ def sketch_of_the_section():
 #    \alpha_0, \qquad
 #    \lambda = \frac{q}{q_D}, \quad q_D = \frac{k}{e S a} . \tag{12.10} $$
 #
-# At $q = q_D$ the spring cannot balance the lift any more: the *divergence* of the wing. A
-# negative $\lambda$ means that the centre of pressure is behind the elastic axis ($e < 0$). The
-# next picture uses your `iterates`. To which angle do they converge, and do they converge at all?
+# At $q = q_D$ the spring cannot balance the lift any more: the *divergence* of the wing.
+# For $\lambda < 1$ the wing is *stable*. A negative $\lambda$ means that the centre of pressure is
+# behind the elastic axis ($e < 0$). The next picture uses your `iterates`. To which angle do they
+# converge, and do they converge at all?
 
 
 # %%
@@ -812,7 +813,8 @@ def typical_section(lam, omega):
 #
 # $$ \det(\mathbf{K} - q\, \mathbf{H}^T\mathbf{A}\mathbf{H}) = 0 . \tag{12.11} $$
 #
-# Return this $q$. Assume that there is one, and that it belongs to a simple eigenvalue.
+# Return this $q$, a real number. Assume that there is one, and that it belongs to a simple
+# eigenvalue.
 #
 # <details><summary>Hint</summary>
 #

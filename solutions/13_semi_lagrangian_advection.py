@@ -615,10 +615,10 @@ check("13.8")
 # %% [markdown]
 # ## Conservation of mass
 #
-# If the flow is divergence-free and nothing enters, the integral of $u$ is constant. Let $m_j$ be
-# the area of site $j$, and $M$ the required mass $\sum_j m_j u_j$. Among all values within their
-# bounds that have this mass, we take those nearest to $\mathbf{u}$ in the mean square with the
-# weights $m_j$. They are
+# If the flow is divergence-free and nothing enters, the integral of $u$ is constant. Let
+# $m_j > 0$ be the area of site $j$, and $M$ the required mass, that of the initial field. Among all
+# values within their bounds that have this mass, we take those nearest to the new values
+# $\mathbf{u}$ in the mean square with the weights $m_j$. They are
 #
 # $$ v_j = \min\bigl(\max(u_j + \lambda,\ l_j),\ h_j\bigr), \qquad \sum_j m_j v_j = M , \tag{13.9}
 #    $$
@@ -831,8 +831,9 @@ def one_step_of_a_wave(dt):
 
 
 # %% [markdown]
-# **13.12** (a) For which $\Delta t$ does the iteration (13.10) surely converge? (b) What has this
-# bound to do with the time $t^* = 1/\max(-u_x)$ at which the wave breaks?
+# **13.12** Let all sites be neighbours, so that $s_{\mathbf{u}}$ is smooth. (a) For which $\Delta
+# t$ does the iteration (13.10) surely converge? (b) What has this bound to do with the time $t^* =
+# 1/\max(-u_x)$ at which the wave breaks?
 #
 # <details><summary>Hint</summary>
 #

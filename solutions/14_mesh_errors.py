@@ -257,8 +257,8 @@ def weld(points, tolerance):
 check("14.1")
 
 # %% [markdown]
-# From now on a surface is a list of triangles; each row has the numbers of three different
-# vertices. Vertices with different numbers are different, even if their points are equal.
+# From now on a surface is a list of triangles; each row has the numbers of three different vertices
+# (except in 14.7). Vertices with different numbers are different, even if their points are equal.
 #
 # ## Boundary edges and non-manifold edges
 #
@@ -704,8 +704,8 @@ check("14.7")
 #
 # For each of $K$ pairs of a segment and a triangle, return whether (14.5) holds. No triangle is
 # degenerate. No segment touches an edge or a corner of its triangle. Some segments end in the plane
-# of the triangle or lie in this plane. The first condition does not hold for these segments. Pairs
-# may be of any size, and far from the origin.
+# of the triangle or lie in this plane. There (14.4) is zero, without rounding errors, so the first
+# condition does not hold. Pairs may be of any size, and far from the origin.
 #
 # <details><summary>Hint</summary>
 #
