@@ -1,12 +1,12 @@
 // Helps for readers; everything is readable without them.
 
-// A formula that is too long gets the margin, and fades where it can be scrolled.
-for (const formula of document.querySelectorAll('.chapter math[display="block"]')) {
-  if (formula.scrollWidth <= formula.clientWidth + 1) continue;
-  formula.parentElement.classList.add("beyond");
-  const mark = () => formula.classList.toggle("cut", formula.scrollWidth - formula.scrollLeft > formula.clientWidth + 1);
-  formula.addEventListener("scroll", mark, { passive: true });
-  formula.tabIndex = 0;
+// A formula that is too long gets the margin. Formulas and tables are marked where they can be scrolled.
+for (const box of document.querySelectorAll('.chapter math[display="block"], .chapter .scroll, .table-wrapper')) {
+  if (box.scrollWidth <= box.clientWidth + 1) continue;
+  if (box.localName === "math") box.parentElement.classList.add("beyond");
+  const mark = () => box.classList.toggle("cut", box.scrollWidth - box.scrollLeft > box.clientWidth + 1);
+  box.addEventListener("scroll", mark, { passive: true });
+  box.tabIndex = 0;
   mark();
 }
 
