@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from fieldrecon.plotting.style import BLACK_ON_MAP, WHITE_ON_MAP
 from fieldreport.build.chapter_pages import (
     chapters_of,
     page_names,
@@ -15,11 +16,13 @@ from fieldreport.build.chapter_pages import (
 )
 from fieldreport.build.errors import BuildError
 from fieldreport.build.screen_figures import (
+    ON_MAP,
     dark_color,
     dark_values,
     element,
     light,
     short_path,
+    themed,
     webp,
 )
 
@@ -207,3 +210,10 @@ def luminance(color: str) -> float:
 def test_lines_have_contrast_on_a_dark_page(color):
     """WCAG 2 asks for a contrast of 3 : 1 of graphical objects."""
     assert (luminance(dark_color(color)) + 0.05) / (luminance("#131313") + 0.05) > 3
+
+
+def test_black_and_white_on_a_map_stay_on_a_dark_page():
+    """The map stays light, so lines on it must stay dark."""
+    assert ON_MAP == (BLACK_ON_MAP, WHITE_ON_MAP)
+    drawn = 'style="stroke: #010101"', 'style="fill: #fefefe"'
+    assert [themed(svg) for svg in drawn] == [*drawn]

@@ -29,6 +29,7 @@ from fieldrecon.plotting.fonts import SERIF, SERIF_FACES, font_file
 from fieldrecon.plotting.maps import SHADE, hillshade, map_axes, scale_bar
 
 __all__ = [
+    "BLACK_ON_MAP",
     "DIVERGING",
     "FULL_WIDTH",
     "HALF_WIDTH",
@@ -38,6 +39,7 @@ __all__ = [
     "PLAIN_NUMBERS",
     "SEQUENTIAL",
     "SHADE",
+    "WHITE_ON_MAP",
     "StyledFigure",
     "figure",
     "hillshade",
@@ -96,6 +98,8 @@ SEQUENTIAL = "viridis"
 """Colour map for amounts: perceptually even, rises in grey."""
 DIVERGING = "PuOr_r"
 """Colour map for signed errors, centred at zero; negative contours are dashed, for grey."""
+BLACK_ON_MAP, WHITE_ON_MAP = "#010101", "#fefefe"
+"""Lines and veils on a map of colours: they stay on a dark page, as the map does."""
 RC: Any = {
     "font.family": SERIF,
     "font.size": 9,

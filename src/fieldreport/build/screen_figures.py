@@ -31,6 +31,8 @@ EMBEDDED: Final = re.compile(r'(?<=data:image/webp;base64,)[^"]+')
 COLOR: Final = re.compile(r"(?<=stroke: )#[0-9a-f]{6}|(?<=fill: )#[0-9a-f]{6}")
 OF_PAGE: Final = {"#000000": "var(--ink, #000)", "#ffffff": "var(--paper, #fff)"}
 """Colours that are those of the page."""
+ON_MAP: Final = ("#010101", "#fefefe")
+"""`BLACK_ON_MAP` and `WHITE_ON_MAP` of the style, which imports NumPy; they stay."""
 MOST_COLORS: Final = 20
 """More colours in one figure stand for amounts, and stay."""
 COLOR_BAR: Final = 'id="QuadMesh_'
@@ -154,6 +156,8 @@ def themed(svg: str) -> str:
     'style="fill: var(--paper, #fff); stroke: var(--c5f1049, #5f1049)"'
     >>> themed('<g id="QuadMesh_1"><path style="fill: #5f1049"/>')  # a colour bar
     '<g id="QuadMesh_1"><path style="fill: #5f1049"/>'
+    >>> themed('style="stroke: #010101"')  # black on a map
+    'style="stroke: #010101"'
     """
     amounts = COLOR_BAR in svg or len(set(COLOR.findall(svg))) > MOST_COLORS
     return COLOR.sub(lambda color: themed_color(color[0], amounts=amounts), svg)
@@ -163,7 +167,8 @@ def themed_color(color: str, *, amounts: bool) -> str:
     """Return the value of a colour on a page; light ones and amounts have no name."""
     if color in OF_PAGE:
         return OF_PAGE[color]
-    return color if amounts or dark_color(color) == color else f"var(--c{color[1:]}, {color})"
+    stays = amounts or color in ON_MAP or dark_color(color) == color
+    return color if stays else f"var(--c{color[1:]}, {color})"
 
 
 def dark_values(page: str) -> str:

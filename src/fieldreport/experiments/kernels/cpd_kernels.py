@@ -32,7 +32,7 @@ from fieldrecon.kernels.conditionally_positive_definite import (
 )
 from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.plotting.style import DIVERGING, figure, line, shades
+from fieldrecon.plotting.style import BLACK_ON_MAP, DIVERGING, figure, line, shades
 from fieldrecon.polynomials import dimension, monomials
 from fieldreport.framework.error_measures import order_of_magnitude
 from fieldreport.framework.experiment import Map, Result, ResultTable
@@ -267,15 +267,15 @@ def plot_line(result: Result) -> Figure:
         ):
             levels = np.linspace(-reach, reach, 25)
             shown = panel.contourf(t, t, a[name], levels=levels, cmap=DIVERGING)
-            panel.contour(t, t, a[name], levels=levels[::2], colors="black", linewidths=0.4)
-            panel.plot([0, 1], [0, 1], color="black", linewidth=0.6)
+            panel.contour(t, t, a[name], levels=levels[::2], colors=BLACK_ON_MAP, linewidths=0.4)
+            panel.plot([0, 1], [0, 1], color=BLACK_ON_MAP, linewidth=0.6)
             panel.scatter(
                 *x.T,
                 c=f,
                 cmap=DIVERGING,
                 vmin=-reach,
                 vmax=reach,
-                edgecolors="black",
+                edgecolors=BLACK_ON_MAP,
                 zorder=3,
                 clip_on=False,
             )

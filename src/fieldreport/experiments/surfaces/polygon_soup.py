@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 
 from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.plotting.mesh_pictures import MeshPicture
-from fieldrecon.plotting.style import figure, line, shades
+from fieldrecon.plotting.style import HUES, figure, line, shades
 from fieldrecon.solids.ray_casting import View, ray_traced
 from fieldrecon.surfaces.polygon_soup import PolygonSoup
 from fieldrecon.surfaces.triangle_integrals import by_rule, over_triangles
@@ -230,7 +230,7 @@ def plot(result: Result) -> Figure:
                 linestyles="solid",
             )
             panel.contour(t, t, values, levels=[0], colors=[line("MLS")["color"]], linewidths=1.3)
-            panel.add_collection(LineCollection(a["ends"][a["segments"]], colors="black"))
+            panel.add_collection(LineCollection(a["ends"][a["segments"]], colors=HUES[3]))
             panel.set(aspect="equal", xlim=(-0.45, 3.45), ylim=(-0.45, 3.45))
             panel.set_title(title.format(params.smoothing), loc="center")
             panel.set_axis_off()

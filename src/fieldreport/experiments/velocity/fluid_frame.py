@@ -25,7 +25,14 @@ from scipy.interpolate import LinearNDInterpolator
 
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.plotting.style import FULL_WIDTH, METHOD_COLORS, figure, line
+from fieldrecon.plotting.style import (
+    BLACK_ON_MAP,
+    FULL_WIDTH,
+    METHOD_COLORS,
+    WHITE_ON_MAP,
+    figure,
+    line,
+)
 from fieldrecon.velocity.cells import cell_velocities
 from fieldrecon.velocity.cells_to_vertices import vertex_velocities_from_cells
 from fieldrecon.velocity.vertices import divergence, vertex_velocities
@@ -376,7 +383,7 @@ def plot(result: Result) -> Figure:
         colors.set_edgecolor("face")
         left, right, bottom, _ = WINDOW
         half = Rectangle((left, bottom), right - left, -bottom, transform=panel.transData)
-        panel.add_patch(Rectangle((-9, -9), 18, 9, facecolor="white", alpha=0.55, zorder=2))
+        panel.add_patch(Rectangle((-9, -9), 18, 9, facecolor=WHITE_ON_MAP, alpha=0.55, zorder=2))
         for lines in panel.triplot(triangles, color="#3c4650", linewidth=0.3, zorder=2.5):
             lines.set(clip_path=half, in_layout=False)
         below = _inside(points, (*WINDOW[:2], WINDOW[2], -0.02))
@@ -391,10 +398,10 @@ def plot(result: Result) -> Figure:
             zorder=3,
         )
         for y in arrays["exact"]:
-            panel.plot(*y.T, color="white", linewidth=2.4, zorder=3)
+            panel.plot(*y.T, color=WHITE_ON_MAP, linewidth=2.4, zorder=3)
         upper = arrays["traced"][: len(arrays["exact"])]
         for y in upper:
-            panel.plot(*y.T, color="black", linewidth=0.8, zorder=3.1)
+            panel.plot(*y.T, color=BLACK_ON_MAP, linewidth=0.8, zorder=3.1)
         panel.add_patch(Circle((0, 0), 1, facecolor="#e9e9e9", edgecolor="black", zorder=4))
         panel.set(xlim=WINDOW[:2], ylim=WINDOW[2:], aspect="equal", xlabel="$x$", ylabel="$y$")
         panel.grid(visible=False)
