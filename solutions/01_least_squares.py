@@ -277,9 +277,10 @@ def plane_and_points(n):
 # length.
 #
 # Rounding errors turn zero singular values into small ones. Take the singular values of the matrix
-# of the coordinates, without the column of ones, after a suitable translation (hint 1). Count a
-# singular value as zero if it is at most $10^{-9}$ times the extent of the points. The extent is
-# the largest difference between two values of one coordinate.
+# of the coordinates, without the column of ones, after the same vector has been subtracted from
+# all points (hint 1 asks which). Count a singular value as zero if it is at most $10^{-9}$ times
+# the extent of the points. The extent is the largest difference between two values of one
+# coordinate.
 #
 # <details><summary>Hint 1</summary>
 #

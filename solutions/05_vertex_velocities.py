@@ -552,7 +552,8 @@ check("05.7")
 # At some vertices the six unknowns are not determined, and the matrix of the normal equations is
 # singular. `numpy.linalg.lstsq` still returns a solution, the *minimum-norm solution*: among all
 # that fit equally well, the $\mathbf{c}$ of least norm. Its arguments are the matrix and the
-# right-hand side of (5.7), not of the normal equations.
+# right-hand side of (5.7), not of the normal equations. Its default tolerance, with `rcond=None`,
+# is suitable: singular values that are rounding errors count as zero.
 #
 # </details>
 

@@ -354,7 +354,8 @@ check("06.3")
 # ### 06.4 The circumcentre
 #
 # Write a function that returns $\mathbf{O}$. It must keep its accuracy for a triangle far from the
-# origin, and for a triangle of any size, also a small one far from the origin.
+# origin, and for a triangle of any size, also a small one far from the origin. The three corners
+# never lie on one line.
 #
 # <details><summary>Hint</summary>
 #
@@ -705,8 +706,9 @@ def matching_point(s, apex, height):
 # ### 06.8 The Raviart–Thomas field
 #
 # Write a function that returns $\mathbf{w}$ at one point, inside the triangle or outside. The
-# triangle may have any size. It may be small and far from the origin: then the differences in (6.8)
-# keep their digits, and products with the coordinates themselves lose them.
+# triangle may have any size, but no height is zero. It may be small and far from the origin: then
+# the differences in (6.8) keep their digits, and products with the coordinates themselves lose
+# them.
 #
 # <details><summary>Hint</summary>
 #

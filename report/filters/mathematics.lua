@@ -58,7 +58,13 @@ local function spaced_functions(tex)
   return tex
 end
 
-local function for_browsers(tex) return spaced_functions(upright_bold(tex)) end
+-- As superscripts of MathML, primes would stand above the letters.
+local PRIMES = { '′', '″', '‴' }
+local function primes(tex)
+  return (tex:gsub("'+", function(run) return '\\text{' .. (PRIMES[#run] or PRIMES[1]:rep(#run)) .. '}' end))
+end
+
+local function for_browsers(tex) return primes(spaced_functions(upright_bold(tex))) end
 
 local function quoted(text)
   return '"' .. text:gsub('[\\"]', '\\%0'):gsub('%s+', ' ') .. '"'

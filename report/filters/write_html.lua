@@ -19,6 +19,26 @@ local function in_scroll_box(t)
     { { 'role', 'region' }, { 'tabindex', '0' }, { 'aria-label', name or 'table' } }))   -- in this order
 end
 
+-- A line breaks neither between a bracket and a formula nor between a formula and its punctuation.
+local function with_punctuation(inlines)
+  local out = pandoc.Inlines {}
+  local function is_text(x, pattern) return x and x.t == 'Str' and x.text:match(pattern) end
+  local i = 1
+  while i <= #inlines do
+    local opens = is_text(inlines[i], '[(%[]$')
+    local formula = inlines[opens and i + 1 or i]
+    local whole = pandoc.Inlines {}
+    if formula and formula.t == 'Math' and formula.mathtype == 'InlineMath' then
+      local last = opens and i + 1 or i
+      if is_text(inlines[last + 1], '^[.,;:!?)%]]') then last = last + 1 end
+      for j = i, last do whole:insert(inlines[j]) end
+    end
+    if #whole > 1 then out:insert(pandoc.Span(whole, { '', { 'unbroken' } })) else out:insert(inlines[i]) end
+    i = i + math.max(1, #whole)
+  end
+  return out
+end
+
 -- The parameters below a caption are folded. A link cannot stand in the summary, which is a button.
 local function folded(s)
   if not s.classes:includes 'provenance' then return nil end
@@ -55,6 +75,6 @@ return function(doc)
       escaped(i.src), escaped(pandoc.utils.stringify(i.caption)),
       100 * math.min(1, width / pictures.text_width)))
   end
-  doc.blocks = doc.blocks:walk { Image = image, Header = lower_heading, Table = in_scroll_box, Span = folded, Div = widget }
+  doc.blocks = doc.blocks:walk { Image = image, Header = lower_heading, Table = in_scroll_box, Span = folded, Div = widget, Inlines = with_punctuation }
   return doc
 end

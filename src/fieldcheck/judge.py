@@ -25,6 +25,9 @@ NOT_RECOGNISABLE = ("missing", "unwritten", "endless", "modified", "slow")
 LARGEST_WHOLE = 2.0**53
 """All numbers of at least this size are whole."""
 
+STEP = 1e-3
+"""Relative size of the change that shows the unit in which answers are compared."""
+
 IN_PLACE = " An array of integers takes no decimals, not even by `-=`; `x.astype(float)` does."
 """What to do about NumPy's error, which does not say it in these words."""
 
@@ -154,8 +157,9 @@ def _array_form(
             "not finite",
             (
                 f"For {call.case}, {bad} of {sum(v.size for v in values)} values are "
-                "NaN or infinite. Look for a division by zero, or for a logarithm or a root of a "
-                "number that is zero or negative."
+                "NaN or infinite, and all should be finite. If the code does not set them so, look "
+                "for a division by zero, or for a logarithm or a root of a number that is zero or "
+                "negative."
             ),
         )
     if outcome.modified:
@@ -164,8 +168,8 @@ def _array_form(
             "modified",
             (
                 f"{question.function} changes its argument number {which}, which belongs to the "
-                "caller. Operators such as += and methods such as sort work in place: take a copy "
-                "first."
+                "caller. Operators such as +=, methods such as sort, and x.shape = … work in "
+                "place: take a copy first."
             ),
         )
 
@@ -245,8 +249,11 @@ def _difference(
     wanted = right[part]
     compared = question.normal_form(call, right)[part]
     tolerance = max(question.tolerance(call), LEAST_TOLERANCE) * scale(compared)
+    open_order = _order_is_open(question, call, right, part)
+    if not open_order:
+        tolerance /= _magnification(question, call, right, part, int(np.argmax(units[part])))
     off = units[part].max() * tolerance
-    entry = _entry(units[part], part, len(units), _order_is_open(question, call, right, part))
+    entry = _entry(units[part], part, len(units), open_order)
     if np.isclose(off, 1) and are_truth_values(answers):
         return f"For {call.case}, {entry} {_of_two(compared.flat[int(np.argmax(units[part]))])}."
     text = f"For {call.case}, {entry} is off by {off:.2g}."
@@ -256,6 +263,21 @@ def _difference(
     return (
         f"{text} The largest right value is {scale(wanted):.2g}; rounding explains {tolerance:.0e}."
     )
+
+
+def _magnification(
+    question: Question, call: Call, right: Values, part: int, position: int
+) -> float:
+    """Return how often larger a small change of one entry is where answers are compared."""
+    step = STEP * scale(right[part])
+    changed = right[part].astype(float)
+    changed.flat[position] += step
+    forms = (
+        question.normal_form(call, (*right[:part], value, *right[part + 1 :]))[part]
+        for value in (changed, right[part])
+    )
+    ratio = float(np.abs(np.subtract(*forms)).flat[position]) / step
+    return ratio if ratio > 0 else 1.0
 
 
 def _of_two(right: float) -> str:

@@ -116,8 +116,9 @@ def pattern(
         return ""
     # A wrong rank is no multiple of the right one, even if it happens to be twice as large.
     factor = () if _are_single_whole_numbers(right) else (_factor,)
-    arithmetic = () if are_truth_values(right) else (_zero, *factor, _signs)
-    kinds = (*map(_from_the_corner, arithmetic), _offset, _outputs, _order, _positions)
+    arithmetic = tuple(map(_from_the_corner, (_zero, *factor, _signs)))
+    of_numbers = () if are_truth_values(right) else (*arithmetic, _offset)
+    kinds = (*of_numbers, _outputs, _order, _positions)
     found = (
         _integers(cases, wrong)
         or _single_precision(cases, wrong)

@@ -198,6 +198,15 @@ def test_the_opposite_of_a_whole_number_is_reported():
     assert pattern(characteristic, CALLS, opposite, right) == sentence
 
 
+def test_truth_values_are_not_too_small_by_one():
+    """Where all answers are 0 or 1, a wrong one is the other one."""
+    flag = Question("99.5", "flag", 1, inputs, lambda _: ((3,),))
+    right = [(np.array([1.0, 1.0, 0.0]),)] * 2
+    assert "too" not in pattern(flag, CALLS, [(right[0][0] - 1,)] * 2, right)
+    larger = [(2 * r,) for (r,) in right]
+    assert "too small by 1" in pattern(flag, CALLS, [(r - 1,) for (r,) in larger], larger)
+
+
 def three_tables(*factors, integers=False):
     """The pattern if the right values of three tables are multiplied by these factors."""
     tables = [np.arange(1.0, 10.0).reshape(3, 3) + (0 if integers else 0.1 * k) for k in range(3)]

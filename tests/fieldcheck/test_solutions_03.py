@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from checkout import ROOT
+from fieldcheck.notebook import try_public
+from fieldcheck.questions import get
 from fieldcheck.questions.q03_radial_basis_functions import cloud
+from fieldcheck.seeds import EVERYBODY, seed
 from fieldgrade.authoring.sources import Source
 from fieldrecon import RBF, thin_plate_spline
 
@@ -74,3 +77,16 @@ def test_the_energy_is_the_integral_of_the_squared_second_derivatives(random):
     # The part outside falls like 1 / reach²: one step of Richardson extrapolation.
     extrapolated = integral(6.0) + (integral(6.0) - integral(3.0)) / 3
     assert NOTEBOOK["energy"](points, values) == pytest.approx(extrapolated, rel=0.03)
+
+
+def test_the_error_of_a_small_kernel_is_reported_as_it_is():
+    """Small kernels are compared in a unit in which they are one; the sentence has no such unit."""
+
+    def disturbed(points):
+        h = NOTEBOOK["system_matrix"](points)
+        h[3, 2] += 1e-8
+        return h
+
+    verdict = try_public(get("03.2"), {"system_matrix": disturbed})
+    assert "of a lattice of 10⁻⁴ in " in verdict.sentence
+    assert "entry [3, 2] is off by 1e-08" in verdict.sentence

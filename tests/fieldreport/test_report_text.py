@@ -377,6 +377,17 @@ def is_typst_symbol(name):
     return "-" not in name
 
 
+@pytest.mark.slow
+def test_formulas_on_the_page_keep_their_primes_and_punctuation(text):
+    """Primes are no superscripts; no line begins with the comma behind a formula."""
+    body = "The slope $f'_1$, with ($s'' = 0$), and $x$ alone."
+    page = text.convert(f"# A {{#sec:a}}\n\n{body}\n")["page"]
+    assert "<mo>′</mo>" not in page
+    whole = re.findall(r'<span class="unbroken">(.*?)</span>', page, flags=re.S)
+    plain = [re.sub(r"<annotation.*?</annotation>|<[^>]*>", "", part) for part in whole]
+    assert plain == ["f′1,", "(s″=0),"]
+
+
 def test_the_template_defines_no_name_of_a_typst_symbol():
     """A colour called `hat` would replace the accent in every formula."""
     assert is_typst_symbol("accent")

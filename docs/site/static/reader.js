@@ -1,6 +1,11 @@
 // Helps for readers; everything is readable without them.
 
-// A formula that is too long gets the margin. Formulas and tables are marked where they can be scrolled.
+// A formula that is too long is set smaller if that suffices, or gets the margin. Formulas and tables are
+// marked where they can be scrolled.
+for (const formula of document.querySelectorAll('.chapter math[display="block"]')) {
+  const size = 0.99 * formula.clientWidth / formula.scrollWidth;
+  if (0.7 < size && size < 0.99) formula.style.fontSize = `${size}em`;
+}
 for (const box of document.querySelectorAll('.chapter math[display="block"], .chapter .scroll, .table-wrapper')) {
   if (box.scrollWidth <= box.clientWidth + 1) continue;
   if (box.localName === "math") box.parentElement.classList.add("beyond");

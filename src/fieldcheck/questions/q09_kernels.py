@@ -321,23 +321,22 @@ def wendland_inputs(seed: int) -> tuple[Call, ...]:
     return tuple(calls)
 
 
-@law(
-    "The function for s = 0 must be a power of 1 − r, and zero beyond 1. The function for s = 1 "
-    "must be the integral (9.9) of that for s = 0 in D + 2 variables, and 1 at zero."
+@law_of_each("The function for s = 0 must be the power of 1 − r in (9.8), and zero beyond 1.")
+def is_a_power(call: Call, values: Values) -> float:
+    """Return the deviation from the power for s = 0."""
+    (r, d, s), (f,) = call.arguments, values
+    return 0.0 if s else relative(f - (1 - np.minimum(r, 1)) ** (d // 2 + 1), 1.0)
+
+
+@law_of_each(
+    "The function for s = 1 must be the integral (9.9) of that for s = 0 in D + 2 variables, and 1 "
+    "at zero."
 )
-def are_integrals(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the deviation from the integral by Gauss quadrature for s = 1, and from a power for s
-    = 0.
-    """
-    worst = 0.0
-    for call, (f,) in zip(calls, values, strict=True):
-        r, d, s = call.arguments
-        start = np.minimum(r, 1)
-        wanted = (1 - start) ** (d // 2 + 1)
-        if s:
-            wanted = _area_beyond(start, d) / _area_beyond(np.array(0.0), d)
-        worst = max(worst, relative(f - wanted, 1.0))
-    return worst
+def is_an_integral(call: Call, values: Values) -> float:
+    """Return the deviation for s = 1 from the integral by Gauss quadrature."""
+    (r, d, s), (f,) = call.arguments, values
+    wanted = _area_beyond(np.minimum(r, 1), d) / _area_beyond(np.array(0.0), d)
+    return relative(f - wanted, 1.0) if s else 0.0
 
 
 def _area_beyond(start: np.ndarray, d: int) -> np.ndarray:
@@ -437,7 +436,7 @@ QUESTIONS = (
         2,
         wendland_inputs,
         lambda call: (call.arguments[0].shape,),
-        (are_integrals,),
+        (is_a_power, is_an_integral),
     ),
     Question(
         "09.7",

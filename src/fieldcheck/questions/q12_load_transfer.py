@@ -295,7 +295,7 @@ def densities_inputs(seed: int) -> tuple[Call, ...]:
         ((h, np.full(12, 3), areas), "a constant pressure"),
         (
             (transfer(random, 5, 5), random.integers(-99, 100, 5), np.full(5, 2)),
-            "five points of equal area and five nodes",
+            "five points with pressures that are whole numbers",
         ),
         *(
             ((signed, alternating(n) * random.uniform(1, 2, n), random.uniform(0.5, 2, n)), case)
