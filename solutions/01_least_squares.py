@@ -31,7 +31,7 @@
 # Each question asks for a function or for an answer in words. Write the function, run its cell,
 # and run the check below it. The check reports whether the function is right and, if it is not,
 # which mistake is likely. Then `case()`, in a new cell, shows the inputs for which your function
-# failed, your values and, for the inputs that are the same for everybody, the right values. A
+# failed, and your values. If everybody has the same inputs, it also shows the right values. A
 # function must not change its arguments. In all notebooks arrays may hold integers, as
 # `np.array([1, 2])` does; `x.astype(float)` is an array of real numbers. Compute with NumPy's
 # default type, float64; float32 has too few digits.

@@ -28,11 +28,11 @@
 # (MAC) grid, stream function, conic through five points. **Read**: Strang, *Introduction to
 # Linear Algebra*, the chapters on the four subspaces and on the singular value decomposition.
 #
-# Each question asks for a function or for an answer in words. Write the function, run its cell,
-# and run the check below it. After a check that is not right, `case()` in a new cell shows the
-# inputs for which your function failed, your values and, for the inputs that are the same for
-# everybody, the right values. Arrays may hold integers, and a function must not change its
-# arguments.
+# Each question asks for a function or for an answer in words. Write the function, run its cell, and
+# run the check below it. After a check that is not right, `case()` in a new cell shows the inputs
+# for which your function failed, and your values. If everybody has the same inputs, it also shows
+# the right values. Arrays may hold integers. Compute with float64, NumPy's default type. A function
+# must not change its arguments.
 
 # %% [markdown]
 # ## A finished function

@@ -34,12 +34,12 @@
 # unstructured staggered mesh schemes* (2000); Strang, *Introduction to Linear Algebra*, the
 # chapter on the singular value decomposition.
 #
-# Each question asks for a function or for an answer in words. Write the function, run its cell,
-# and run the check below it. The check reports whether the function is right and, if it is not,
-# which mistake is likely. After a check that is not right, `case()` in a new cell shows the
-# inputs for which your function failed, your values and, for the inputs that are the same for
-# everybody, the right values. Arrays may hold integers, and a function must not change its
-# arguments.
+# Each question asks for a function or for an answer in words. Write the function, run its cell, and
+# run the check below it. The check reports whether the function is right and, if it is not, which
+# mistake is likely. After a check that is not right, `case()` in a new cell shows the inputs for
+# which your function failed, and your values. If everybody has the same inputs, it also shows the
+# right values. Arrays may hold integers. Compute with float64, NumPy's default type. A function
+# must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np

@@ -31,8 +31,8 @@
 #
 # Each question asks for a short function with a check below it, or for a proof in words. After a
 # check that is not right, `case()` in a new cell shows the inputs for which your function failed,
-# your values and, for the inputs that are the same for everybody, the right values. Arrays may
-# hold integers, and a function must not change its arguments.
+# and your values. If everybody has the same inputs, it also shows the right values. Arrays may hold
+# integers. Compute with float64, NumPy's default type. A function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np

@@ -33,10 +33,10 @@
 # power, moments of a spline, tridiagonal system, bending energy, minimal norm property, B-spline,
 # Cox–de Boor recursion, Marsden's identity.
 #
-# Each question asks for a short function with a check below it, or for an answer in words. After
-# a check that is not right, `case()` in a new cell shows the inputs for which your function
-# failed, your values and, for the inputs that are the same for everybody, the right values.
-# Arrays may hold integers, and a function must not change its arguments.
+# Each question asks for a short function with a check below it, or for an answer in words. After a
+# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
+# and your values. If everybody has the same inputs, it also shows the right values. Arrays may hold
+# integers. Compute with float64, NumPy's default type. A function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -324,9 +324,8 @@ check("10.3")
 # ### 10.4 The pieces
 #
 # Write a function that evaluates the spline at any points, in any order, also where the sites are
-# far from the origin: by (10.6) on the interval of each point, and outside by the tangents at the
-# first and the last site. The argument `bends` contains the moments of the spline through the
-# values.
+# far from the origin. Use (10.6) on the interval of each point. Outside, use the tangents at the
+# first and the last site. The argument `M` contains the moments of the spline through the values.
 #
 # <details><summary>Hint</summary>
 #
@@ -338,17 +337,17 @@ check("10.3")
 
 
 # %% question="10.4" minutes=20
-def piecewise(sites, values, bends, x):
+def piecewise(sites, values, M, x):
     """Return s at points x (K,) in any order: inside by (10.6), straight outside.
 
-    bends (N,) are the moments of the spline through the values, zero at both ends.
+    M (N,) are the moments of the spline through the values, zero at both ends.
     """
     # BEGIN SOLUTION
     i = np.clip(np.searchsorted(sites, x) - 1, 0, len(sites) - 2)
     h = sites[i + 1] - sites[i]
     u = (x - sites[i]) / h
     left, right = np.maximum(1 - u, 0) ** 3 - (1 - u), np.maximum(u, 0) ** 3 - u
-    bent = h**2 / 6 * (left * bends[i] + right * bends[i + 1])
+    bent = h**2 / 6 * (left * M[i] + right * M[i + 1])
     return (1 - u) * values[i] + u * values[i + 1] + bent
     # END SOLUTION
 
@@ -361,10 +360,10 @@ check("10.4")
 @draw(reach=Slider(0.2, 3, 1.2, "how far outside"))
 def beyond_the_pins(reach):
     pins, heights = data("10.3")
-    bends = moments(pins, heights)
+    M = moments(pins, heights)
     a, b = radial_spline(pins, heights)
     side = np.linspace(pins[0] - reach, pins[-1] + reach, 400)
-    curve = piecewise(pins, heights, bends, side)
+    curve = piecewise(pins, heights, M, side)
     other = np.abs(np.subtract.outer(side, pins)) ** 3 @ a + b[0] + b[1] * side
     with figure(6.4, 3.2) as page:
         left, right = page.subplots(1, 2)
@@ -372,7 +371,7 @@ def beyond_the_pins(reach):
         for first, outside in ((0, side < pins[0]), (-2, side > pins[-1])):
             start, end = pins[first], pins[first + 1]
             four = np.linspace(start, end, 4)
-            cubic = np.polynomial.Polynomial.fit(four, piecewise(pins, heights, bends, four), 3)
+            cubic = np.polynomial.Polynomial.fit(four, piecewise(pins, heights, M, four), 3)
             left.plot(
                 side[outside],
                 cubic(side[outside]),
@@ -388,8 +387,8 @@ def beyond_the_pins(reach):
         )
         left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2, fontsize=9)
         right.axhline(0, color=GREY, lw=0.8)
-        right.plot([side[0], *pins, side[-1]], [0, *bends, 0], "-", color=BLUE)
-        right.plot(pins, bends, "o", color="black", ms=4)
+        right.plot([side[0], *pins, side[-1]], [0, *M, 0], "-", color=BLUE)
+        right.plot(pins, M, "o", color="black", ms=4)
         right.set(xlabel="$x$", title="second derivative")
     return page
 
@@ -469,10 +468,10 @@ CO2 = np.array(
 def mauna_loa(step, day):
     used, held_out = DAY[::step], np.delete(np.arange(len(DAY)), np.s_[::step])
     held_out = held_out[DAY[held_out] < used[-1]]
-    bends = moments(used, CO2[::step])
+    M = moments(used, CO2[::step])
 
     def spline(days):
-        return piecewise(used, CO2[::step], bends, days)
+        return piecewise(used, CO2[::step], M, days)
 
     side = np.linspace(day, day + 190, 400)
     exact = CO2[held_out]
@@ -529,16 +528,16 @@ def mauna_loa(step, day):
 
 
 # %% question="10.5" minutes=15
-def truncated(sites, values, bends):
+def truncated(sites, values, M):
     """Return α and β of (10.1), of shapes (N,) and (2,), for ascending sites (N,), N >= 2.
 
-    bends (N,) are the moments, zero at both ends.
+    M (N,) are the moments, zero at both ends.
     """
     # BEGIN SOLUTION
     h = np.diff(sites)
-    thirds = np.diff(bends) / h
+    thirds = np.diff(M) / h
     alpha = np.diff(thirds, prepend=0, append=0) / 6
-    slope = (values[1] - values[0]) / h[0] - h[0] / 6 * bends[1]
+    slope = (values[1] - values[0]) / h[0] - h[0] / 6 * M[1]
     return alpha, np.array([values[0] - slope * sites[0], slope])
     # END SOLUTION
 
@@ -610,10 +609,10 @@ def round_trip():
 
 
 # %% question="10.6" minutes=10
-def energy(sites, bends):
+def energy(sites, M):
     """Return E of (10.9), a number, for ascending sites (N,) and the moments at them (N,)."""
     # BEGIN SOLUTION
-    p, q = bends[:-1], bends[1:]
+    p, q = M[:-1], M[1:]
     return np.diff(sites) @ (p**2 + p * q + q**2) / 3
     # END SOLUTION
 
@@ -626,7 +625,7 @@ check("10.6")
 @draw(size=Slider(-1, 1, 0.5, "how much is added"))
 def pythagoras(size):
     pins, heights = data("10.3")
-    bends = moments(pins, heights)
+    M = moments(pins, heights)
     side = np.linspace(pins[0], pins[-1], 4001)
     i = np.searchsorted(pins[1:-1], side)
     width = pins[i + 1] - pins[i]
@@ -634,19 +633,19 @@ def pythagoras(size):
     turn = (-1.0) ** i
     added = turn * 8 * u**2 * (1 - u) ** 2
     bend_added = turn * 8 * (2 - 12 * u + 12 * u**2) / width**2
-    bend = np.interp(side, pins, bends)
+    bend = np.interp(side, pins, M)
     sizes = np.linspace(-1, 1, 41)
     total = [np.trapezoid((bend + c * bend_added) ** 2, side) for c in sizes]
     with figure(6.4, 3.4) as page:
         left, right = page.subplots(1, 2)
-        curve = piecewise(pins, heights, bends, side)
+        curve = piecewise(pins, heights, M, side)
         left.plot(side, curve + size * added, color=ORANGE, label="another curve")
         left.plot(side, curve, color=BLUE, label="natural spline")
         left.plot(pins, heights, "o", color="black", ms=4)
         left.set(xlabel="$x$")
         left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), fontsize=9)
         right.plot(sizes, total, color=ORANGE, label="energy of the other")
-        right.axhline(energy(pins, bends), color=BLUE, label="of the spline: yours")
+        right.axhline(energy(pins, M), color=BLUE, label="of the spline: yours")
         right.plot(size, np.interp(size, sizes, total), "o", color=ORANGE)
         right.set(xlabel="how much is added", ylim=(0, None))
         right.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), fontsize=9)

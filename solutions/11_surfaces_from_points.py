@@ -34,10 +34,10 @@
 # Notebook 14 finds the errors in triangulated surfaces of such bodies. Numbers in brackets, such
 # as (11.1), belong to formulas; numbers without brackets belong to questions.
 #
-# Each question asks for a function with a check below it, or for an answer in words. After a
-# check that is not right, `case()` in a new cell shows the inputs for which your function failed,
-# your values and, for the inputs that are the same for everybody, the right values. Arrays may
-# hold integers, and a function must not change its arguments.
+# Each question asks for a function with a check below it, or for an answer in words. After a check
+# that is not right, `case()` in a new cell shows the inputs for which your function failed, and
+# your values. If everybody has the same inputs, it also shows the right values. Arrays may hold
+# integers. Compute with float64, NumPy's default type. A function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np

@@ -1,5 +1,15 @@
 // Helps for readers; everything is readable without them.
 
+// Long names are broken between their words.
+for (const code of document.querySelectorAll(":not(pre) > code")) {
+  const texts = document.createTreeWalker(code, NodeFilter.SHOW_TEXT), found = [];
+  while (texts.nextNode()) found.push(texts.currentNode);
+  for (const text of found) {
+    const words = text.data.split(/(?<=[_/.=(])(?=\w)/);
+    text.replaceWith(...words.flatMap((word, i) => i ? [document.createElement("wbr"), word] : [word]));
+  }
+}
+
 // A formula that is too long is set smaller if that suffices, or gets the margin. Formulas and tables are
 // marked where they can be scrolled.
 for (const formula of document.querySelectorAll('.chapter math[display="block"]')) {

@@ -276,15 +276,14 @@ VARIANT_NAMES = ("free", "bounded", "bounded, with its mass")
 def plot(result: Result) -> Figure:
     """The initial shapes, and after one revolution without and with the limiter."""
     free, kept = result.arrays["turn_0_frames"], result.arrays["turn_2_frames"]
-    return _maps(
-        result, (free[-1], kept[-1]), ("beginning, exact", "one turn, free", "one turn, kept")
-    )
+    titles = ("initial, exact", "after one revolution", "with bounds and mass")
+    return _maps(result, (free[-1], kept[-1]), titles)
 
 
 def plot_deformation(result: Result) -> Figure:
     """The shapes in the flow that reverses: initially, half-way, and at the end."""
     frames = result.arrays["deformation_2_frames"]
-    return _maps(result, frames[1:], ("beginning, exact", "half way", "back"))
+    return _maps(result, frames[1:], ("initial, exact", "half way", "at the end"))
 
 
 def _maps(

@@ -66,7 +66,7 @@ QUICK = Params(points=16, lattice=6)
 def kernels(params: Params) -> dict[str, Radial]:
     """Return kernels of every order from zero to four, by name."""
     return {
-        "gaussian": gaussian(params.scale),
+        "Gaussian": gaussian(params.scale),
         "inverse multiquadric": inverse_multiquadric(params.scale),
         "Matérn 3/2": matern(1.5, params.scale),
         "Wendland 1": wendland(3, 1, params.radius),
