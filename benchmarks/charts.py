@@ -20,7 +20,7 @@ _LOOKS = [
     {"linestyle": style, "color": color, "marker": marker}
     for style, (color, marker) in product("-:", zip(_COLORS, _MARKERS, strict=True))
 ]
-_LEGEND_ROW = 0.19  # inches
+_LEGEND_ROW = 0.22  # inches
 
 
 def draw(result: Mapping, path: Path) -> None:

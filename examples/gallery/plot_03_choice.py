@@ -21,6 +21,7 @@ scores = sorted((score for score in scores if np.isfinite(score.rms)), key=lambd
 for score in scores:
     print(f"{score.model.name:>14}: {score.rms:5.1f} m")
 
-figure, axes = plt.subplots()
-axes.barh([score.model.name for score in scores], [score.rms for score in scores], color="tab:blue")
+figure, axes = plt.subplots(layout="constrained")
+names = [score.model.meaning for score in scores]
+axes.barh(names, [score.rms for score in scores], color="tab:blue")
 axes.set_xlabel("root mean square error at held-out samples [m]")

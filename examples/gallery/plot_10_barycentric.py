@@ -14,8 +14,9 @@ import fieldrecon as fr
 corners = np.array([[0.0, 0.0], [2.0, 0.0], [2.6, 1.2], [1.2, 2.2], [-0.2, 1.4]])
 method = fr.BarycentricCoordinates(corners)
 
-# points inside: convex combinations of the corners
-x = np.random.default_rng(0).dirichlet(np.full(5, 0.7), 40_000) @ corners
+# points inside: convex combinations of the corners; and the corners themselves
+inside = np.random.default_rng(0).dirichlet(np.full(5, 0.7), 40_000) @ corners
+x = np.concatenate([corners, inside])
 weights = method.weights(x)  # (m, 5)
 print(f"affine data are reproduced to {abs(weights @ corners - x).max():.0e}")
 
@@ -24,6 +25,6 @@ for each, corner in zip(axes, (0, 2, 3), strict=True):
     levels = np.linspace(0, 1, 11)
     each.tricontourf(*x.T, weights[:, corner], levels=levels)
     each.plot(*corners[[0, 1, 2, 3, 4, 0]].T, "k-", linewidth=1)
-    each.plot(*corners[corner], "o", color="tab:red")
+    each.plot(*corners[corner], "o", color="tab:red", clip_on=False)
     each.set_aspect("equal")
     each.set_title(f"coordinate {corner}")

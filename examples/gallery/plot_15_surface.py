@@ -9,6 +9,7 @@ surface, triangles.
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+import numpy as np
 
 import fieldrecon as fr
 
@@ -26,5 +27,5 @@ axes[1].plot_trisurf(
     *surface.points.T, triangles=surface.triangles, color="lightsteelblue", edgecolor="none"
 )
 for each in axes:
-    each.set_aspect("equal")
+    each.set_box_aspect(np.ptp(points, axis=0), zoom=1.25)
     each.set_axis_off()

@@ -30,5 +30,5 @@ for each, (p, t) in zip(
     axes, ((points, triangles), (surface.points, surface.triangles)), strict=True
 ):
     each.plot_trisurf(*p.T, triangles=t, color="tan", edgecolor="none")
-    each.set_aspect("equal")
+    each.set_box_aspect(np.ptp(p, axis=0), zoom=1.25)
     each.set_axis_off()
