@@ -50,7 +50,7 @@ end
 
 -- Browsers set no space between a factor and a function's name, nor between that and its argument.
 local function spaced_functions(tex)
-  for _, name in ipairs { 'log', 'exp', 'sin', 'cos', 'dim', 'det' } do
+  for _, name in ipairs { 'log', 'exp', 'sin', 'cos', 'dim', 'det', 'max', 'min' } do
     tex = tex:gsub('([%w}])%s*\\' .. name .. '%f[%A]', '%1\\,\\' .. name)
              :gsub('\\' .. name .. '%s+(%w)', '\\' .. name .. '\\,%1')
              :gsub('\\' .. name .. '(\\[lm]%a)', '\\' .. name .. '\\,%1')

@@ -7,7 +7,6 @@ from checkout import ROOT
 from fieldcheck.notebook import try_public
 from fieldcheck.questions import get
 from fieldcheck.questions.q03_radial_basis_functions import cloud
-from fieldcheck.seeds import EVERYBODY, seed
 from fieldgrade.authoring.sources import Source
 from fieldrecon import RBF, thin_plate_spline
 

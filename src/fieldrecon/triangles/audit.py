@@ -286,7 +286,7 @@ def connection_errors(p: np.ndarray, t: np.ndarray, merged: np.ndarray) -> dict[
 
 
 def geometric_errors(
-    p: np.ndarray, t: np.ndarray, tolerance: float = 0.0, *, progress: Progress | None = None
+    p: np.ndarray, t: np.ndarray, tolerance: float, *, progress: Progress | None = None
 ) -> dict[str, Any]:
     """Errors in the geometry of triangles t (m, 3) whose coincident vertices are merged."""
     three = has_three_corners(t)

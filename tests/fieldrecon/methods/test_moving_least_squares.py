@@ -619,3 +619,23 @@ def test_second_derivatives_at_a_site_are_refused_for_a_weight_with_a_corner():
     assert np.isfinite(
         MovingLeastSquares(points, gaussian(0.5)).field(values).hessian(points[3])
     ).all()
+
+
+def test_a_single_site_counts_within_its_support():
+    """Beyond it no site counts, which is refused in words."""
+    field = MovingLeastSquares([[0.0, 0.0]], wendland(2, 1), degree=0).field([3.0])
+    assert field([0.5, 0.0]) == 3
+    with refused("the 0 sites that count at the query"):
+        field([[0.5, 0.0], [2.0, 0.0]])
+
+
+def test_predictions_within_a_support_use_all_samples_but_one():
+    """They equal those of a method made without this sample."""
+    x, weight = halton(60, 2), wendland(2, 1, 0.5)
+    f = np.sin(5 * x[:, 0]) + x[:, 1]
+    sites = np.array([3, 17, 40])
+    predicted = MovingLeastSquares(x, weight).predictions_from_others(f[:, None], sites)[:, 0]
+    others = [
+        MovingLeastSquares(np.delete(x, i, 0), weight).field(np.delete(f, i))(x[i]) for i in sites
+    ]
+    assert_close(predicted, np.array(others), 1e-12)

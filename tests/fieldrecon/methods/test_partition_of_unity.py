@@ -479,3 +479,11 @@ def test_many_right_hand_sides_are_grouped_by_system():
         found = batched_solve_grouped(lambda i, b: np.linalg.solve(a[i], b), system, right, 5, 2)
         alone = [np.linalg.solve(a[i], b) for i, b in zip(system, right, strict=True)]
         assert_close(found, np.reshape(alone, (m, 5)), 1e-12)
+
+
+def test_second_derivatives_of_plates_are_refused_at_sites():
+    """They have gradients there, and no second derivatives."""
+    field = PartitionOfUnityRBF(X, thin_plate_spline()).field(franke(X))
+    assert np.isfinite(field.gradient(X[:3])).all()
+    with pytest.raises(ValueError, match="has no second derivatives at a site"):
+        field.hessian(X[:3])

@@ -1,5 +1,8 @@
 """Pictures: sizes of pages and points, and what marks and legends show."""
 
+import io
+import re
+
 import numpy as np
 import pytest
 
@@ -89,6 +92,14 @@ def test_a_notebook_shows_a_figure():
     """As PNG, whether or not its backend is set up."""
     with figure() as (page, _):
         assert page._repr_png_().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("kind", ["svg", "pdf", "png"])
+def test_a_saved_figure_has_no_date(kind):
+    buffer = io.BytesIO()
+    with figure() as (page, _):
+        page.savefig(buffer, format=kind)
+    assert not re.search(rb"<dc:date>|CreationDate|Creation Time", buffer.getvalue())
 
 
 @pytest.mark.parametrize("sides", [(3, 2, 7), (2, 7, 3)])

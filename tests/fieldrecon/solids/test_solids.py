@@ -88,6 +88,14 @@ def test_signs_of_set_operations_obey_set_algebra():
     assert_close((a - (b | c))(x), ((a - b) & (a - c))(x), 0.0)
 
 
+def test_the_box_of_an_intersection_is_that_of_the_boxes():
+    """It is a single point if the boxes do not meet."""
+    a, b = Ball(1.0), Ball(1.0, center=[1.5, 0.0, 0.0])
+    assert (a & b).box.tolist() == [[0.5, -1.0, -1.0], [1.0, 1.0, 1.0]]
+    apart = a & Ball(1.0, center=[9.0, 0.0, 0.0])
+    assert (apart.box[0] <= apart.box[1]).all()
+
+
 def test_a_difference_without_the_minus_sign_is_detected(monkeypatch):
     """Without the minus sign the difference is the intersection."""
     extreme = solids._Extreme

@@ -1,10 +1,11 @@
 """Implicit moving least squares of a polygon soup: integrals, laws and mutants."""
 
+import mpmath
 import numpy as np
 import pytest
 
 import fieldrecon as fr
-from fieldrecon.surfaces import polygon_soup
+from fieldrecon.surfaces import polygon_soup, triangle_integrals
 from fieldrecon.surfaces.triangle_integrals import by_rule, over_segments, over_triangles
 from fieldreport.experiments.surfaces.polygon_soup import gauss_on_triangles, on_the_cube
 from fieldreport.experiments.triangles.triangle_shapes import cube, sphere, torus
@@ -129,6 +130,24 @@ def test_the_error_of_the_far_quadrature_is_below_the_tolerance(rng):
     for tolerance in (1e-2, 1e-4, 1e-6):
         soup = fr.surfaces.PolygonSoup(points, triangles, 0.05, tol=tolerance)
         assert np.abs(soup(x) - exact(x)).max() < tolerance
+
+
+def test_the_far_quadrature_begins_at_a_distance_in_units_of_the_polygons(rng):
+    """A change of unit by a power of two changes no digit."""
+    points, triangles = sphere(2)
+    x = 3 * rng.normal(size=(60, 3))
+    here = fr.surfaces.PolygonSoup(points, triangles, 0.05)
+    there = fr.surfaces.PolygonSoup(points / 1024, triangles, 0.05 / 1024)
+    np.testing.assert_allclose(1024 * there(x / 1024), here(x), rtol=1e-13, atol=1e-14)
+
+
+@pytest.mark.parametrize("nearest", [51.0, 60.0])
+def test_integrals_beside_a_slender_triangle_have_all_terms_of_their_series(nearest):
+    """Far along the line of an edge, at a distance from the line of one; by mpmath."""
+    s, t, squared = np.array([nearest]), np.array([nearest + 3.0]), np.array([1.0])
+    for integral, power in ((triangle_integrals._second, 2), (triangle_integrals._third, 3)):
+        exact = mpmath.quad(lambda u, p=power: 1 / (u * u + 1) ** p, [nearest, nearest + 3])
+        np.testing.assert_allclose(integral(s, t, squared), float(exact), rtol=1e-11)
 
 
 def test_subdividing_a_polygon_does_not_change_the_field(rng):

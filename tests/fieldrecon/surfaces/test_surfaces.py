@@ -506,3 +506,16 @@ def test_points_that_determine_no_surface_are_refused():
         implicit_surface(np.ones((9, 3)))
     with pytest.raises(np.linalg.LinAlgError, match="no plane fits the neighbours"):
         implicit_surface(np.arange(30.0)[:, None] * [1.0, 2.0, 3.0])
+
+
+def test_the_box_about_a_cloud_has_a_margin():
+    """It has four spacings, or a tenth of the length of the cloud if this is more."""
+    t = np.arange(12) * np.pi / 6
+    around = np.column_stack([np.cos(t), np.sin(t), np.zeros(12)])
+    for length, margin in ((1.0, None), (10.0, 1.0)):
+        along = np.linspace(0, length, round(20 * length) + 1)
+        tube = 0.1 * around[:, None] + along[:, None] * [0, 0, 1]
+        cloud = as_clean_cloud(tube.reshape(-1, 3), np.repeat(around, len(along), axis=0))
+        box = np.array([[-0.1, -0.1, 0.0], [0.1, 0.1, length]])
+        wanted = 4 * cloud.spacing if margin is None else margin
+        assert_close(np.abs(_box_about(cloud) - box), np.full((2, 3), wanted), 1e-12)

@@ -394,6 +394,15 @@ def test_orientation_signs_are_exact():
     np.testing.assert_array_equal(_predicates.orient2d(a, b, c), expected)
 
 
+@pytest.mark.parametrize("flat", [0, 1, 2])
+def test_points_are_collinear_if_all_three_projections_are(flat):
+    """In a plane of coordinates only one projection is not a line, and that by the last bit."""
+    ends = np.array([[0.0, 0.0], [24.0, 24.0], [0.5, 0.5 + 2.0**-53]])
+    a, b, c = np.insert(ends, flat, 0.0, axis=1)[:, None, :]
+    assert not _predicates.collinear(a, b, c).any()
+    assert _predicates.collinear(a, b, (a + b) / 4).all()
+
+
 @pytest.mark.slow
 def test_rounded_signs_give_wrong_findings(monkeypatch):
     """A mutant without exact signs disagrees with rational arithmetic."""
