@@ -81,6 +81,16 @@ def test_the_status_line_is_erased_at_the_end(monkeypatch):
     assert on_screen(shown.getvalue()) == ["kept", ""]
 
 
+def test_a_line_is_shown_at_once(monkeypatch):
+    """Nothing waits in a buffer until the work ends."""
+    shown = terminal(monkeypatch, "stderr")
+    seen = []
+    monkeypatch.setattr(shown, "flush", lambda: seen.append(shown.getvalue()))
+    with StatusLine() as line:
+        line.say("kept")
+        assert seen[-1].endswith("kept\n")
+
+
 def test_the_bar_shows_the_number_of_finished_tasks(monkeypatch):
     """The bar shows the percentage and "1 of 4"; messages of finished tasks remain above it."""
     shown = terminal(monkeypatch, "stderr")

@@ -132,15 +132,6 @@ def test_the_error_of_the_far_quadrature_is_below_the_tolerance(rng):
         assert np.abs(soup(x) - exact(x)).max() < tolerance
 
 
-def test_the_far_quadrature_begins_at_a_distance_in_units_of_the_polygons(rng):
-    """A change of unit by a power of two changes no digit."""
-    points, triangles = sphere(2)
-    x = 3 * rng.normal(size=(60, 3))
-    here = fr.surfaces.PolygonSoup(points, triangles, 0.05)
-    there = fr.surfaces.PolygonSoup(points / 1024, triangles, 0.05 / 1024)
-    np.testing.assert_allclose(1024 * there(x / 1024), here(x), rtol=1e-13, atol=1e-14)
-
-
 @pytest.mark.parametrize("nearest", [51.0, 60.0])
 def test_integrals_beside_a_slender_triangle_have_all_terms_of_their_series(nearest):
     """Far along the line of an edge, at a distance from the line of one; by mpmath."""
