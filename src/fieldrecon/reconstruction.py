@@ -355,6 +355,11 @@ def as_maker(
     return method
 
 
+def given(**arguments: Any) -> dict[str, Any]:
+    """The arguments that are not None: not every method takes all of them."""
+    return {name: value for name, value in arguments.items() if value is not None}
+
+
 def weights_if_they_fit(method: Reconstruction, x: np.ndarray) -> Weights | None:
     """The weights at x, or None where they are dense and too large to keep."""
     try:

@@ -9,13 +9,15 @@ most, since the squared distance from the centre is constant on the sphere.
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
+from fieldrecon._core.chunks import Progress
 from fieldrecon.methods.other_coordinates import OtherCoordinates
-from fieldrecon.reconstruction import Reconstruction
+from fieldrecon.reconstruction import Reconstruction, as_maker, given
 
 
 def to_unit(lonlat: ArrayLike) -> np.ndarray:
@@ -76,8 +78,10 @@ class OnGlobe(OtherCoordinates):
     ----------
     points : (n, 2) array_like
         Longitudes and latitudes of the sites, in degrees.
-    method : callable
-        Takes unit vectors (n, 3) to a `Reconstruction` on them.
+    method : callable or Reconstruction
+        Takes unit vectors (n, 3) to a method on them; or such a method, which is made again.
+    executor, progress : optional
+        Passed on to `method`.
 
     Attributes
     ----------
@@ -98,9 +102,17 @@ class OnGlobe(OtherCoordinates):
     array([4., 2.])
     """
 
-    def __init__(self, points: ArrayLike, method: Callable[[np.ndarray], Reconstruction]) -> None:
+    def __init__(
+        self,
+        points: ArrayLike,
+        method: Callable[..., Reconstruction] | Reconstruction,
+        *,
+        executor: Executor | None = None,
+        progress: Progress | None = None,
+    ) -> None:
         self.points = valid.as_points(points)
-        self.method = method(to_unit(self.points))
+        how = given(executor=executor, progress=progress)
+        self.method = as_maker(method)(to_unit(self.points), **how)
         self.degree = min(self.method.degree, 0)
         self.interpolates = self.method.interpolates
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, split_progress
-from fieldrecon.reconstruction import Field, Reconstruction, Weights, as_maker
+from fieldrecon.reconstruction import Field, Reconstruction, Weights, as_maker, given
 
 
 class Mean(Reconstruction):
@@ -31,6 +31,8 @@ class Mean(Reconstruction):
         The sites.
     methods : sequence of callable or Reconstruction
         Each takes points (n, d) to a method on them; or such methods, which are made again.
+    executor : concurrent.futures.Executor, optional
+        Passed on to the methods, all of which must take it.
     progress : callable, optional
         Passed on to the methods, all of which must take it; a part of the work to each.
 
@@ -61,15 +63,19 @@ class Mean(Reconstruction):
         points: ArrayLike,
         methods: Sequence[Callable[..., Reconstruction] | Reconstruction],
         progress: Progress | None = None,
+        *,
+        executor: Executor | None = None,
     ) -> None:
         self.points = valid.as_points(points)
         if isinstance(methods, Reconstruction) or callable(methods):
             raise ValueError("methods must be a sequence: one method is given as [method]")
         if not len(methods):
             raise ValueError("methods must be one or more: there is no mean of none")
-        parts = split_progress(progress, 100 * len(methods), len(methods))
+        parts = split_progress(progress, len(self.points), len(methods))
         made = zip(map(as_maker, methods), parts, strict=True)
-        self.methods = tuple(make(self.points, **_how(progress=part)) for make, part in made)
+        self.methods = tuple(
+            make(self.points, **given(executor=executor, progress=part)) for make, part in made
+        )
         for method in self.methods:
             if not np.array_equal(method.points.ravel(), self.points.ravel()):
                 raise ValueError(
@@ -101,7 +107,7 @@ class Mean(Reconstruction):
         def prepared(columns: np.ndarray) -> list[Any]:
             parts = split_progress(progress, 100 * len(self.methods), len(self.methods))
             both = zip(self.methods, parts, strict=True)
-            return [m.field(columns, **how, **_how(progress=p))._prepared for m, p in both]
+            return [m.field(columns, **how, **given(progress=p))._prepared for m, p in both]
 
         return Field(self, valid.as_values(values, len(self.points)), prepared)
 
@@ -159,11 +165,6 @@ class Mean(Reconstruction):
 
     def _weight_chunk_rows(self) -> int:
         return min(method._weight_chunk_rows() for method in self.methods)
-
-
-def _how(**given: Any) -> dict[str, Any]:
-    """The arguments that are given: not every method takes all of them."""
-    return {name: value for name, value in given.items() if value is not None}
 
 
 def _mean(terms: Iterable[Any]) -> Any:

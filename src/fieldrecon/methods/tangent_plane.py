@@ -14,6 +14,7 @@ by 3.5 %.
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +22,7 @@ from numpy.typing import ArrayLike
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
 from fieldrecon.methods.other_coordinates import OtherCoordinates
-from fieldrecon.reconstruction import Reconstruction, as_maker
+from fieldrecon.reconstruction import Reconstruction, as_maker, given
 
 _NEAREST = 1e-12  # least value of 1 + u . p: the antipode of the pole has no projection
 
@@ -40,7 +41,7 @@ class OnTangentPlane(OtherCoordinates):
         Takes points (n, 2) of the plane to a method on them; or such a method, which is made again.
     pole : (3,) array_like, optional
         Unit vector of the middle of the region; the mean direction of the sites by default.
-    progress : callable, optional
+    executor, progress : optional
         Passed on to `method`.
 
     Attributes
@@ -74,6 +75,8 @@ class OnTangentPlane(OtherCoordinates):
         method: Callable[..., Reconstruction] | Reconstruction,
         pole: ArrayLike | None = None,
         progress: Progress | None = None,
+        *,
+        executor: Executor | None = None,
     ) -> None:
         self.points = valid.as_points(points)
         if self.points.shape[1] != 3:
@@ -81,7 +84,7 @@ class OnTangentPlane(OtherCoordinates):
         self.pole = (
             mean_direction(self.points) if pole is None else valid.as_queries(pole, 3, "pole")
         )
-        how = {} if progress is None else {"progress": progress}
+        how = given(executor=executor, progress=progress)
         self.method = as_maker(method)(in_tangent_plane(self.points, self.pole), **how)
         self.degree = min(self.method.degree, 0)
         self.interpolates = self.method.interpolates
