@@ -171,7 +171,7 @@ def by_cross_products(points, normals):
 def by_the_fields_themselves(points, normals):
     b = np.insert(points, 0, 1.0, axis=1)
     return all(
-        np.linalg.matrix_rank((normals @ [-n[1], n[0]])[:, None] * b, tol=1e-8) == 3
+        np.linalg.matrix_rank((normals @ [-n[1], n[0]])[:, None] * b, tol=1e-9) == 3
         for n in normals
     )
 
@@ -179,9 +179,9 @@ def by_the_fields_themselves(points, normals):
 @answers("04.5")
 def by_groups_of_directions(points, normals):
     groups = []
-    for i, n in enumerate(normals):
+    for i, (x, y) in enumerate(normals):
         for group in groups:
-            if abs(abs(normals[group[0]] @ n) - 1) < 1e-12:
+            if abs(normals[group[0]] @ [-y, x]) < 1e-9:
                 group.append(i)
                 break
         else:

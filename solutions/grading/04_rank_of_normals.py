@@ -4,7 +4,12 @@ import numpy as np
 
 from fieldcheck.calls import Call
 from fieldcheck.questions.q03_radial_basis_functions import cloud
-from fieldcheck.questions.q04_rank_of_normals import directions, flow, perpendicular_vectors
+from fieldcheck.questions.q04_rank_of_normals import (
+    across,
+    directions,
+    flow,
+    perpendicular_vectors,
+)
 from fieldgrade.authoring.hidden_cases import hidden
 
 
@@ -38,7 +43,12 @@ def hidden_flows(seed):
     blind, name = perpendicular_vectors(points, flow(random)), "velocity_rank"
     return (
         Call(name, (points, blind), "twenty samples that hide a flow", exact=(0, 1)),
-        Call(name, (50 + 1e3 * points, blind), "the same in millimetres", exact=(0, 1)),
+        Call(
+            name,
+            (50 + 1e3 * points, blind),
+            "twenty samples that hide a flow, in millimetres",
+            exact=(0, 1),
+        ),
     )
 
 
@@ -67,18 +77,16 @@ def turned_as_a_whole(seed):
     random = np.random.default_rng(seed + 4)
     points = cloud(random, 8, 2)
     one, two, *_ = directions(random, 8)
-    signs = random.choice([-1, 1], (8, 1))
+    signs, tilts = random.choice([-1, 1], (8, 1)), 1e-11 * random.uniform(0.5, 1, (8, 1))
+
+    def normals(first):
+        """An exact comparison would be right or wrong by rounding if they were just parallel."""
+        each = np.array([one] * first + [two] * (8 - first))
+        return signs * (each + tilts * across(each))
+
     return (
-        Call(
-            "obvious",
-            (points, signs * np.array([one] * 4 + [two] * 4)),
-            "two directions, four samples each",
-        ),
-        Call(
-            "obvious",
-            (points, signs * np.array([one] * 6 + [two] * 2)),
-            "two directions, six and two",
-        ),
+        Call("obvious", (points, normals(4)), "two directions, four samples each"),
+        Call("obvious", (points, normals(6)), "two directions, six and two"),
     )
 
 

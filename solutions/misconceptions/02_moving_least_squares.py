@@ -316,6 +316,35 @@ def unsquared_in_the_field(points, values, x, epsilon):
     return np.array([value_at(solved(points, values, weight(points, p, epsilon)), p) for p in x])
 
 
+def with_heavy_points(points, values, place, epsilon):
+    """Fit without the points whose weights are below a millionth of the largest."""
+    w = weight(points, place, epsilon)
+    kept = w > 1e-6 * w.max()
+    return basis(points[kept]) * w[kept, None], values[kept] * w[kept]
+
+
+@answers("02.4", named=False)
+def light_points_dropped(points, values, x, epsilon):
+    """Points of small weight were dropped. If one weight is large, all others may be small, and
+    they still determine the slopes.
+    """
+    found = []
+    for place in x:
+        b, v = with_heavy_points(points, values, place, epsilon)
+        found.append(value_at(np.linalg.solve(b.T @ b, b.T @ v), place))
+    return np.array(found)
+
+
+@answers("02.4", named=False)
+def light_points_dropped_and_shortest_solution(points, values, x, epsilon):
+    """Without the points of small weight the slopes are not determined."""
+    fits = (with_heavy_points(points, values, place, epsilon) for place in x)
+    return [
+        value_at(np.linalg.lstsq(*fit, rcond=None)[0], place)
+        for fit, place in zip(fits, x, strict=True)
+    ]
+
+
 @answers("02.4", named=False)
 def absolute_evaluation_points(points, values, x, epsilon):
     """The coordinates of the evaluation points have lost their signs."""

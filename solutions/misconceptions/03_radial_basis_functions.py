@@ -144,7 +144,7 @@ def constraints_forgotten(points):
 
 
 @answers("03.2")
-def bumps_alone(points):
+def basis_functions_alone(points):
     """This is the block A alone. Without the affine part, affine fields are not reproduced. Look at
     the other blocks of (3.5).
     """
@@ -368,7 +368,7 @@ def constant_left_out(points, lam, c, x):
 
 
 @answers("03.4")
-def bumps_forgotten(points, lam, c, x):
+def basis_functions_forgotten(points, lam, c, x):
     """This is the affine part alone. Neither λ nor the centres are used. Where do they stand in
     (3.2)?
     """
@@ -467,6 +467,12 @@ def two_numbers(points):
     return counted(bordered(w(offsets(points, points)), basis(points)))[:2]
 
 
+def signs_of_rounded(points, decimals):
+    eigenvalues = np.linalg.eigvalsh(bordered(w(offsets(points, points)), basis(points)))
+    signs = np.sign(np.round(eigenvalues, decimals))
+    return np.sum(signs > 0), np.sum(signs < 0), np.sum(signs == 0)
+
+
 def by_size(points, tolerance):
     eigenvalues = np.linalg.eigvalsh(bordered(w(offsets(points, points)), basis(points)))
     positive, negative = np.sum(eigenvalues > tolerance), np.sum(eigenvalues < -tolerance)
@@ -500,9 +506,13 @@ def absolute_tolerance_of_a_thousandth(points):
 @answers("03.5", named=False)
 def rounded_to_ten_decimals(points):
     """Rounding to decimals is an absolute tolerance, too."""
-    eigenvalues = np.linalg.eigvalsh(bordered(w(offsets(points, points)), basis(points)))
-    signs = np.sign(np.round(eigenvalues, 10))
-    return np.sum(signs > 0), np.sum(signs < 0), np.sum(signs == 0)
+    return signs_of_rounded(points, 10)
+
+
+@answers("03.5", named=False)
+def rounded_to_three_decimals(points):
+    """Rounding to decimals is an absolute tolerance, too."""
+    return signs_of_rounded(points, 3)
 
 
 @answers("03.5", named=False)
@@ -587,7 +597,7 @@ def slopes_forgotten(points, lam, c, x):
 
 
 @answers("03.6")
-def pointing_to_the_pins(points, lam, c, x):
+def pointing_to_the_centres(points, lam, c, x):
     """The kernels have the wrong sign: y is the centre minus x. In (3.6) the argument of ∇w is x −
     p.
     """
@@ -596,7 +606,7 @@ def pointing_to_the_pins(points, lam, c, x):
 
 
 @answers("03.6")
-def undefined_at_the_pins(points, lam, c, x):
+def undefined_at_the_centres(points, lam, c, x):
     """At a centre this is zero times minus infinity, which is NaN. The limit exists: y tends to
     zero faster than the logarithm grows. So this kernel contributes zero there.
     """

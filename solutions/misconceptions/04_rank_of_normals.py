@@ -387,10 +387,47 @@ def only_not_all_parallel(points, normals):
     return np.linalg.matrix_rank(normals, tol=1e-9) == 2
 
 
+def with_tolerance(points, normals, tolerance):
+    return all(spans(points[np.abs(normals @ [-n[1], n[0]]) > tolerance]) for n in normals)
+
+
 @answers("04.5", named=False)
 def coarse_test_of_directions(points, normals):
     """With this tolerance normals at a small angle count as parallel."""
-    return all(spans(points[np.abs(normals @ [-n[1], n[0]]) > 0.01]) for n in normals)
+    return with_tolerance(points, normals, 0.01)
+
+
+@answers("04.5", named=False)
+def products_below_a_millionth(points, normals):
+    """With this tolerance normals at a small angle count as parallel."""
+    return with_tolerance(points, normals, 1e-6)
+
+
+@answers("04.5", named=False)
+def default_of_isclose(points, normals):
+    """The default tolerance of isclose is 10⁻⁸ for zero, ten times that of the text."""
+    return all(spans(points[~np.isclose(normals @ [-n[1], n[0]], 0)]) for n in normals)
+
+
+@answers("04.5", named=False)
+def compared_by_cosines(points, normals):
+    """The cosine of a small angle is one up to half of its square, which is below the rounding."""
+    cosines = np.abs(normals @ normals.T)
+    return all(spans(points[np.abs(row - 1) > 1e-12]) for row in cosines)
+
+
+@answers("04.5", named=False)
+def products_compared_with_zero_exactly(points, normals):
+    """Normals that are parallel up to rounding count as different directions."""
+    products = normals @ np.array([-normals[:, 1], normals[:, 0]])
+    return all(spans(points[seen]) for seen in products.T != 0)
+
+
+@answers("04.5", named=False)
+def angles_compared_exactly(points, normals):
+    """Normals that are parallel up to rounding count as different directions."""
+    angles = np.arctan2(normals[:, 1], normals[:, 0]) % np.pi
+    return all(spans(points[angles != angle]) for angle in angles)
 
 
 @answers("04.5", named=False)
@@ -660,7 +697,7 @@ def tolerance_for_metres(vertices):
 
 @answers("04.7", named=False)
 def default_tolerance_for_conics(vertices):
-    """The default tolerance counts points within 10⁻¹⁰ of a conic as general."""
+    """The default tolerance counts points within 10⁻⁹ of a conic as general."""
     return np.linalg.matrix_rank(conic(local(vertices)))
 
 
@@ -680,6 +717,12 @@ def tolerance_of_a_thousandth_for_conics(vertices):
 def tolerance_of_a_millionth_for_conics(vertices):
     """Points close to a conic are taken for points on it."""
     return np.linalg.matrix_rank(conic(local(vertices)), tol=1e-6)
+
+
+@answers("04.7", named=False)
+def fine_tolerance_for_conics(vertices):
+    """Singular values between this tolerance and that of the text count as zero, too."""
+    return np.linalg.matrix_rank(conic(local(vertices)), tol=1e-11)
 
 
 @answers("04.7", named=False)

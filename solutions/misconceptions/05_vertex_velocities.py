@@ -50,7 +50,7 @@ def solved(b, v):
     return np.linalg.lstsq(b, v, rcond=None)[0]
 
 
-def ranks_by(points, triangles, chosen, matrix=rows):
+def ranks_by(points, triangles, chosen, matrix=rows, tol=1e-6):
     """The rank at each vertex, of the edges that `chosen` picks."""
     edges = pairs_of(triangles)
     p, n = middles_and_normals(points, edges)
@@ -58,7 +58,7 @@ def ranks_by(points, triangles, chosen, matrix=rows):
     for i, x in enumerate(points):
         near = chosen(edges, i)
         b = matrix(p[near], n[near], x)
-        found.append(np.linalg.matrix_rank(b / np.sqrt((b**2).sum(axis=0)), tol=1e-6))
+        found.append(np.linalg.matrix_rank(b / np.sqrt((b**2).sum(axis=0)), tol=tol))
     return np.array(found)
 
 
@@ -511,7 +511,7 @@ def weights_squared_twice(midpoints, normals, v, x, w):
 
 
 @answers("05.8")
-def mean_of_the_shadows(midpoints, normals, v, x, w):
+def mean_of_the_projections(midpoints, normals, v, x, w):
     """This is a weighted mean of the vectors v n. Each of them is only the projection of the
     velocity on one normal. Solve the equations (5.5) together.
     """
@@ -556,6 +556,15 @@ def first_six_equations(midpoints, normals, v, x, w):
     of them.
     """
     return np.linalg.solve(rows(midpoints, normals, x)[:6], v[:6])[:2]
+
+
+@answers("05.8", named=False)
+def normal_equations_solved(midpoints, normals, v, x, w):
+    """If the edges do not determine the six unknowns, the matrix of the normal equations is
+    singular: the numbers are rounding errors, or an exception is raised.
+    """
+    b = w[:, None] * rows(midpoints, normals, x)
+    return np.linalg.solve(b.T @ b, b.T @ (w * v))[:2]
 
 
 @answers("05.8", named=False)
@@ -659,6 +668,25 @@ def points_divided_by_the_largest_coordinate(points, triangles, rings):
         near = edges_in_ring(triangles, edges, i, rings)
         found.append(np.linalg.matrix_rank(rows(p[near], n[near], x), tol=1e-6))
     return np.array(found)
+
+
+def with_tolerance(points, triangles, rings, tolerance):
+    edges = pairs_of(triangles)
+    return ranks_by(
+        points, triangles, lambda _, i: edges_in_ring(triangles, edges, i, rings), tol=tolerance
+    )
+
+
+@answers("05.9", named=False)
+def coarse_tolerance(points, triangles, rings):
+    """Singular values between the tolerance of the text and this one are not zero."""
+    return with_tolerance(points, triangles, rings, 1e-4)
+
+
+@answers("05.9", named=False)
+def fine_tolerance(points, triangles, rings):
+    """Singular values between this tolerance and that of the text count as zero, too."""
+    return with_tolerance(points, triangles, rings, 1e-9)
 
 
 @answers("05.9")

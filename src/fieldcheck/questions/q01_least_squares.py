@@ -359,11 +359,11 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
         ),
         (
             np.append(line[0] + random.normal(size=(40, 1)) * line[1], plane[:1], axis=0),
-            "forty points on a line, and one beside it",
+            "forty points on a line, and one point off the line",
         ),
         (
             np.append(random.random((40, 2)) @ layer[:2], layer[:1] + np.array([0, 0, 2]), axis=0),
-            "forty points in one plane of space, and one beside it",
+            "forty points in one plane of space, and one point off the plane",
         ),
         (plane[:2] * [0, 1] + [0.3, 0], "two points of the plane, one above the other"),
         (space[:3] * [0, 1, 1] + [0.3, 0, 0], "three points of an upright plane"),

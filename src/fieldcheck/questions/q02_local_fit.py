@@ -23,12 +23,15 @@ def affine(points: np.ndarray, slopes: np.ndarray) -> np.ndarray:
     return points @ slopes + 0.7
 
 
-def condition(points: np.ndarray) -> np.ndarray:
-    """Return the condition number of B with columns of length one, also for stacked sets of points.
+def condition(points: np.ndarray, weights: np.ndarray | None = None) -> np.ndarray:
+    """Return the condition number of B, or of WB, with columns of length one, also for stacked
+    sets of points.
 
     Elimination does not depend on the scale of the columns.
     """
     b = np.concatenate([np.ones_like(points[..., :1]), points], axis=-1)
+    if weights is not None:
+        b = b * weights[..., np.newaxis]
     return np.asarray(np.linalg.cond(b / np.sqrt((b * b).sum(axis=-2, keepdims=True))))
 
 

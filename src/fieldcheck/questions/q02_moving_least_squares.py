@@ -12,6 +12,7 @@ from fieldcheck.questions.q02_local_fit import (
     EPS,
     TINY,
     affine,
+    condition,
     corners,
     other_coordinates,
     other_values,
@@ -33,6 +34,18 @@ def spread_of_weights(points: np.ndarray, x: np.ndarray, epsilon: float) -> floa
 def local_rounding(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
     """Return the rounding error of the normal equations at evaluation points x."""
     return rounding(points, spread_of_weights(points, x, epsilon))
+
+
+def field_rounding(points: np.ndarray, x: np.ndarray, epsilon: float) -> float:
+    """Return the rounding error of the normal equations, from the condition numbers of WB at x.
+
+    A basis with the origin at x is right, too. The bound of ``local_rounding`` exceeds every
+    mistake where one weight is a million times the others.
+    """
+    around = points - x[:, np.newaxis]
+    w = np.linalg.norm(np.insert(around, 0, epsilon, axis=-1), axis=-1) ** -2.0
+    worst = max(condition(origin + around, w).max() for origin in (0, x[:, np.newaxis]))
+    return 100 * EPS * float(worst) ** 2
 
 
 # 02.4 The field
@@ -71,6 +84,7 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
         *(Call("field", given, case, exact=(0, 2)) for given, case in cases),
         *single_evaluations("field", random),
         *far_evaluations("field", random),
+        *near_one_point(random),
         *many_or_rescaled("field", random),
         Call(
             "field",
@@ -116,6 +130,33 @@ def far_evaluations(name: str, random: np.random.Generator) -> tuple[Call, ...]:
             "evaluation points in space, far away in units of ε",
         ),
     )
+
+
+def near_one_point(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return evaluation points close to one point, whose weight is a million times the others.
+
+    The others still determine the slopes. This point is the origin, so the normal equations lose
+    few digits.
+    """
+    calls: list[Call] = []
+    for n, d, words in ((11, 2, "in the plane"), (14, 3, "in space")):
+        points = random.uniform(0.6, 0.9, (n, 1)) * unit_vectors(random, n, d)
+        points[4] = 0
+        x = random.uniform(3e-4, 4e-4, (3, 1)) * unit_vectors(random, 3, d)
+        calls.append(
+            Call(
+                "field",
+                (points, random.normal(size=n), x, 1e-4),
+                f"evaluation points {words} within 0.0004 of one point, and ε = 0.0001",
+            )
+        )
+    return tuple(calls)
+
+
+def unit_vectors(random: np.random.Generator, n: int, d: int) -> np.ndarray:
+    """Return n random unit vectors."""
+    v = random.normal(size=(n, d))
+    return v / np.linalg.norm(v, axis=1, keepdims=True)
 
 
 def many_or_rescaled(name: str, random: np.random.Generator) -> tuple[Call, ...]:
@@ -241,7 +282,7 @@ QUESTIONS = (
         field_inputs,
         lambda call: ((len(call.arguments[2]),),),
         (reproduces_affine_fields, only_relative_positions_count),
-        lambda call: local_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
+        lambda call: field_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
     ),
     Question(
         "02.7",

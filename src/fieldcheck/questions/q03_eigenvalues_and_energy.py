@@ -127,7 +127,7 @@ def energy_inputs(seed: int) -> tuple[Call, ...]:
     calls = calls_of(
         "energy",
         ((points, values), "ten points with random values"),
-        ((points, values + tilt), "the same with an affine field added"),
+        ((points, values + tilt), "ten points with an affine field added to the values"),
         ((points, 3 * values), "values three times as large"),
         ((turned, values), "points twice as far apart, and rotated"),
         ((integers(points, 100), integers(values)), "ten points and values, integers"),

@@ -145,7 +145,11 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
         (nine, nearly_towards(random, nine, 2e-6), "normals that very nearly meet in a point"),
         (1e-10 * space, sphere(random, 14), "fourteen samples in a cube of 10⁻¹⁰"),
         (points, nearly_towards(random, points, 1e-10), "normals within 10⁻¹⁰ of meeting"),
-        (1e5 * nine, nearly_towards(random, nine, 1e-10), "the same in a square of 10⁵"),
+        (
+            1e5 * nine,
+            nearly_towards(random, nine, 1e-10),
+            "nine normals within 10⁻¹⁰ of meeting, in a square of 10⁵",
+        ),
         (points * [1, 1e-12], directions(random, 8), "eight samples within 10⁻¹² of a level line"),
         (
             1e3 * points * [1e-12, 1],

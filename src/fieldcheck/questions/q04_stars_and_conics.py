@@ -29,6 +29,11 @@ def in_line(random: np.random.Generator, n: int) -> np.ndarray:
 
 # 04.5 The obvious conditions
 
+BEYOND_ZERO = 9e-9
+"""An angle whose half is a product n · m above the tolerance of the text, and which is below 10⁻⁸,
+the tolerance of ``np.isclose``.
+"""
+
 
 def obvious_inputs(seed: int) -> tuple[Call, ...]:
     """Return samples that satisfy the conditions, and samples that violate them in several ways."""
@@ -73,8 +78,12 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
             parallel_except(random, 7, (3, 4, 5)),
             "three other normals, one at the origin",
         ),
-        (spread, slightly_rotated(random, (0, 1, 2)), "three normals at an angle of 10⁻⁵"),
-        (spread, slightly_rotated(random, (1, 3, 5)), "three other normals at an angle of 10⁻⁵"),
+        (spread, slightly_rotated(random, (0, 1, 2), 1e-5), "three normals at an angle of 10⁻⁵"),
+        (
+            spread,
+            slightly_rotated(random, (1, 3, 5), 1e-5),
+            "three other normals at an angle of 10⁻⁵",
+        ),
         (
             np.append(line[:4], points[:3], axis=0),
             directions(random, 7),
@@ -101,6 +110,10 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
             two_bow_ties(random),
             two_directions(random, 8, (4, 5, 6, 7), 0.9),
             "four normals in each of two directions, at the corners of two parallelograms",
+        ),
+        *(
+            (spread, slightly_rotated(random, others, BEYOND_ZERO), f"{which} at angles below 10⁻⁸")
+            for others, which in (((0, 1, 2), "three normals"), ((3, 4, 5), "three other normals"))
         ),
     )
     upright, level = line * [0, 1] + [0.3, 0], line * [1, 0] - [0, 0.2]
@@ -195,7 +208,7 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
 
 HOLDS = (
     *(1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 1, 0, 0, 1),
-    *(0, 1, 0, 1, 1, 1, 1, 1, 0, 0, 1, 1, 0, 0, 0, 1),
+    *(0, 1, 0, 1, 1, 1, 1, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1, 1),
     *(0, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 0, 1, 1),
     *(0, 0, 1, 1),
 )
@@ -235,9 +248,9 @@ def two_bow_ties(random: np.random.Generator) -> np.ndarray:
     return np.append(corners.dot(one), corners.dot(two) + random.uniform(0.3, 0.6, 2), axis=0)
 
 
-def slightly_rotated(random: np.random.Generator, others: Sequence[int]) -> np.ndarray:
+def slightly_rotated(random: np.random.Generator, others: Sequence[int], most: float) -> np.ndarray:
     """Return seven normals of which some differ from the direction of the rest by small angles."""
-    small = 1e-5 * random.uniform(0.5, 1, 7) * np.isin(np.arange(7), others)
+    small = most * random.uniform(0.5, 1, 7) * np.isin(np.arange(7), others)
     angles = random.uniform(0.2, 1.2) + small
     return np.column_stack([np.cos(angles), np.sin(angles)])
 
@@ -333,7 +346,9 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
     )
     grid = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [-1, 0], [-1, -1], [0, -1]])
     bent = np.column_stack([circle[:, 0], circle[:, 1] + 3e-6 * circle[:, 0] ** 3])
-    almost = np.column_stack([circle[:, 0], circle[:, 1] + 1e-10 * circle[:, 0] ** 3])
+    even = 2 * np.pi * (np.arange(9) + random.uniform(-0.1, 0.1, 9)) / 9
+    almost = np.column_stack([np.cos(even), np.sin(even) + 1e-9 * np.cos(even) ** 3])
+    oblique = np.column_stack([np.cos(even), np.sin(even) + 2e-9 * np.cos(even) ** 3]).dot(shear)
     general = (
         (eight, "eight points"),
         (five, "five points"),
@@ -345,8 +360,8 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
         (MAP[::-1] + cloud(random, 9, 2), "nine points, 10⁷ away"),
         (bent, "nine points close to a circle"),
         (bent.dot(shear), "nine points close to an ellipse"),
-        (almost, "nine points within 10⁻¹⁰ of a circle"),
-        (almost.dot(shear), "nine points within 10⁻¹⁰ of an ellipse"),
+        (almost, "nine points within 10⁻⁹ of a circle"),
+        (oblique, "nine points within 2·10⁻⁹ of an ellipse"),
     )
     constructed = (
         (in_pairs, "nine points on a circle"),

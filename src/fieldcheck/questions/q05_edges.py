@@ -281,8 +281,11 @@ def normal_velocities_inputs(seed: int) -> tuple[Call, ...]:
     return calls_of(
         "normal_velocities",
         ((edges, normals, u), "velocities at random"),
-        ((edges, -normals, u), "the same, the normals reversed"),
-        ((edges[:, ::-1].copy(), normals, u), "the same, the ends of each edge exchanged"),
+        ((edges, -normals, u), "velocities at random, the normals reversed"),
+        (
+            (edges[:, ::-1].copy(), normals, u),
+            "velocities at random, the ends of each edge exchanged",
+        ),
         ((edges, normals, wind), "the velocity (1, 0) at every vertex"),
         ((edges, normals, integers(u)), "velocities at random, integers"),
         ((edges, normals, random.permutation(integers(u))), "other velocities, integers"),

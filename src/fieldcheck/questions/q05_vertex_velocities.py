@@ -184,9 +184,9 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
     return calls_of(
         "velocity",
         ((p, n, v, x, w), "twelve edges with velocities at random"),
-        ((p, n, v + more, x, w), "the same plus the normal velocities of an affine field"),
+        ((p, n, v + more, x, w), "twelve edges, the velocities of an affine field added"),
         ((p + shift, n, v, x + shift, w), "the same edges, moved with the vertex"),
-        ((p, flips[:, np.newaxis] * n, flips * v, x, w), "the same, some normals reversed"),
+        ((p, flips[:, np.newaxis] * n, flips * v, x, w), "twelve edges, some normals reversed"),
         ((*other[:2], random.normal(size=10), other[2], np.ones(10)), "ten edges of equal weight"),
         ((1e-3 * p, n, v, 1e-3 * x, w), "the first edges, all lengths a thousandth"),
         ((1e3 * p, n, v, 1e3 * x, w), "the first edges, all lengths times a thousand"),
@@ -215,7 +215,20 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
         ),
         ((p, n, integers(v), x, random.integers(1, 5, 12)), "velocities and weights of integers"),
         ((p, n, 0 * v, x, w), "no flow"),
+        (level_with_the_vertex(random), "four edges, all level with the vertex"),
     )
+
+
+def level_with_the_vertex(random: np.random.Generator) -> tuple[np.ndarray, ...]:
+    """Return four edges whose equations do not contain the slopes along the second axis.
+
+    So the matrix of the normal equations has rows of zeros, and is singular without rounding.
+    """
+    x = random.uniform(1, 2, 2) * [1, 0]
+    along = np.array([-1.0, -0.4, 0.3, 1.0]) + random.uniform(-0.1, 0.1, 4)
+    p = np.column_stack([x[0] + along, np.zeros(4)])
+    angles = np.array([0.3, 1.9, 0.3, 1.9]) + random.uniform(-0.2, 0.2, 4)
+    return p, directions(angles), random.normal(size=4), x, random.uniform(0.4, 2.5, 4)
 
 
 @law(
@@ -273,6 +286,20 @@ def with_a_tiny_part(random: np.random.Generator, size: float) -> tuple[np.ndarr
     return np.append(p, size * q + [1.5, -0.5], axis=0), np.append(one, two + len(p), axis=0)
 
 
+def nearly_on_two_lines(
+    random: np.random.Generator, height: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return a fan of four triangles whose points are on two lines, up to a height.
+
+    Two lines are a conic through all six points, so the smallest singular value of the first
+    vertex is about 0.4 times the height.
+    """
+    along = np.array([0, -1, -1, 0, 1, 1]) + random.uniform(-0.1, 0.1, 6)
+    axes = directions(random.uniform(0, 2 * np.pi) + np.array([0, np.pi / 2]))
+    points = np.column_stack([along, [0, 0, 1, 1 + height, 1, 0]]) @ axes
+    return points, np.array([[0, k, k + 1] for k in range(1, 5)])
+
+
 def ranks_inputs(seed: int) -> tuple[Call, ...]:
     """Return a mesh with one and two rings, far from the origin, in small units; regular grids."""
     random = np.random.default_rng(seed)
@@ -300,6 +327,12 @@ def ranks_inputs(seed: int) -> tuple[Call, ...]:
             ((*mesh(random, 7, 6), 1), "a mesh of eighty-six triangles"),
             ((*with_a_tiny_part(random, 1e-5), 1), "a mesh and a tiny one beside it"),
             ((*with_a_tiny_part(random, 1e-4), 2), "two rings of a mesh and of a tiny one"),
+            *(
+                ((unit * points, cells, 1), f"a fan of points within {height} of two lines{where}")
+                for height, size in (("10⁻⁴", 1e-4), ("10⁻⁸", 1e-8))
+                for unit, where in ((1.0, ""), (1e3, ", all lengths times a thousand"))
+                for points, cells in [nearly_on_two_lines(random, size)]
+            ),
         ),
         Call("ranks", (regular.astype(int), squares, 1), "a regular grid of integers", (0,)),
         Call(
