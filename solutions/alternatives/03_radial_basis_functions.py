@@ -175,7 +175,7 @@ def place_by_place(points, lam, c, x):
 
 
 @answers("03.4")
-def bump_by_bump(points, lam, c, x):
+def centre_by_centre(points, lam, c, x):
     f = np.insert(x, 0, 1.0, axis=1) @ c
     for p, factor in zip(points, lam):
         f = f + factor * w(x - p)
@@ -222,8 +222,8 @@ def by_theory(points):
 def with_nan_replaced_by_zero(points, lam, c, x):
     y = x[:, None] - points
     s = (y**2).sum(axis=2)
-    bumps = np.nan_to_num(2 * y * (1 + np.log(s))[..., None], posinf=0, neginf=0)
-    return c[1:] + np.tensordot(lam, bumps, axes=(0, 1))
+    terms = np.nan_to_num(2 * y * (1 + np.log(s))[..., None], posinf=0, neginf=0)
+    return c[1:] + np.tensordot(lam, terms, axes=(0, 1))
 
 
 @answers("03.6")

@@ -116,7 +116,7 @@ def turned_then_centred(points):
 
 
 @answers("05.4")
-def mean_of_shadows(edges, normals, u):
+def mean_of_projections(edges, normals, u):
     first = np.einsum("ij,ij->i", normals, u[edges[:, 0]])
     second = np.einsum("ij,ij->i", normals, u[edges[:, 1]])
     return 0.5 * (first + second)

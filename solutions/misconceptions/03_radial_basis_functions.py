@@ -144,7 +144,7 @@ def constraints_forgotten(points):
 
 
 @answers("03.2")
-def bumps_alone(points):
+def kernels_alone(points):
     """This is the block A alone. Without the affine part, affine fields are not reproduced. Look at
     the other blocks of (3.5).
     """
@@ -368,7 +368,7 @@ def constant_left_out(points, lam, c, x):
 
 
 @answers("03.4")
-def bumps_forgotten(points, lam, c, x):
+def kernels_forgotten(points, lam, c, x):
     """This is the affine part alone. Neither λ nor the centres are used. Where do they stand in
     (3.2)?
     """
@@ -587,7 +587,7 @@ def slopes_forgotten(points, lam, c, x):
 
 
 @answers("03.6")
-def pointing_to_the_pins(points, lam, c, x):
+def pointing_to_the_centres(points, lam, c, x):
     """The kernels have the wrong sign: y is the centre minus x. In (3.6) the argument of ∇w is x −
     p.
     """
@@ -596,7 +596,7 @@ def pointing_to_the_pins(points, lam, c, x):
 
 
 @answers("03.6")
-def undefined_at_the_pins(points, lam, c, x):
+def undefined_at_the_centres(points, lam, c, x):
     """At a centre this is zero times minus infinity, which is NaN. The limit exists: y tends to
     zero faster than the logarithm grows. So this kernel contributes zero there.
     """

@@ -511,7 +511,7 @@ def weights_squared_twice(midpoints, normals, v, x, w):
 
 
 @answers("05.8")
-def mean_of_the_shadows(midpoints, normals, v, x, w):
+def mean_of_the_projections(midpoints, normals, v, x, w):
     """This is a weighted mean of the vectors v n. Each of them is only the projection of the
     velocity on one normal. Solve the equations (5.5) together.
     """
