@@ -285,31 +285,31 @@ def beside_inputs(seed: int) -> tuple[Call, ...]:
         ((axes * random.permutation([[2], [3], [4], [5]]), axes, 3.3), "four points, integers"),
         ((bent[:2], outward(bent[:2]), 3), "two points, and Δ = 3"),
         *(
-            ((points, normals, 0.9 * 2.0**40), case)
-            for (points, normals), case in (
-                (oval_and_normals(random, 8), "eight points of an oval, and Δ = 10¹²"),
-                (six_on_axes(random), "six points on the axes of space, and Δ = 10¹²"),
+            ((points, directions, 0.9 * 2.0**40), case)
+            for points, directions, case in (
+                (*oval_and_tangents(random, 8), "eight points of an oval, and Δ = 10¹²"),
+                (*six_on_axes(random), "six points on the axes of space, and Δ = 10¹²"),
             )
         ),
     )
     return (*near_origin, far, *small)
 
 
-def oval_and_normals(random: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return n points of an oval and their outward normals.
+def oval_and_tangents(random: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return n points of an oval, and unit vectors along it.
 
-    If n is small, each point is nearest to all places outside along its normal, and clearly so: a
-    length beside 10¹² has an error of 10⁻⁴.
+    Far away along a tangent, on either side, another point is clearly nearer. So a very large Δ is
+    halved for all lengths, and no length is so large that the others are rounding errors beside it.
     """
     points = oval(random, n)
-    away = points / [1.2**2, 0.8**2]
-    return points, away / np.hypot(*away.T)[:, None]
+    along = points[:, ::-1] * [-1.2 / 0.8, 0.8 / 1.2]
+    return points, along / np.hypot(*along.T)[:, None]
 
 
 def six_on_axes(random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Return points on both sides of the origin on each axis, and their outward normals."""
+    """Return points on both sides of the origin on each axis, and directions of another axis."""
     axes = np.vstack([np.eye(3), -np.eye(3)])
-    return random.uniform(1.5, 2.5, (6, 1)) * axes, axes
+    return random.uniform(1.5, 2.5, (6, 1)) * axes, np.roll(axes, 1, axis=1)
 
 
 @law(
