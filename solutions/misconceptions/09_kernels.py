@@ -295,8 +295,8 @@ def nearly_vanishing_counted(points, degree):
 
 @answers("09.3")
 def tolerance_too_small(points, degree):
-    """A singular value of 4·10⁻¹² of the largest one did not count as zero. All those of at most
-    10⁻¹⁰ times the largest one count as zero.
+    """A singular value of less than 10⁻¹¹ times the largest one did not count as zero. All those of
+    at most 10⁻¹⁰ times the largest one count as zero.
     """
     return space(degree) - rank_of(full(own_box(points), degree), 1e-12)
 

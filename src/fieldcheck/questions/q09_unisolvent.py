@@ -188,8 +188,8 @@ def nearly_on_a_line(random: np.random.Generator) -> Iterator[tuple[np.ndarray, 
         turn = random.uniform(0.2, 1.3)
         along = np.sort(cloud(random, n, 1)[:, 0])
         points = np.outer(along, [np.cos(turn), np.sin(turn)])
-        points[4] += 1e-11 * np.array([-np.sin(turn), np.cos(turn)])
-        yield points, 1, f"{words} points near a line, one off by 10⁻¹¹, degree 1"
+        points[4] += 8e-12 * np.array([-np.sin(turn), np.cos(turn)])
+        yield points, 1, f"{words} points near a line, one off by 8 · 10⁻¹², degree 1"
 
 
 @law_of_each(
