@@ -186,8 +186,8 @@ def by_loops(points, values, k, degree, x):
     u = np.linalg.lstsq(h, np.append(values, np.zeros(m)), rcond=None)[0]
     f = []
     for place, row in zip(x, full(x, degree)):
-        bumps = phi(np.hypot(*(place - points).T), k)
-        f.append(bumps @ u[:n] + row @ u[n:])
+        terms = phi(np.hypot(*(place - points).T), k)
+        f.append(terms @ u[:n] + row @ u[n:])
     return np.array(f)
 
 

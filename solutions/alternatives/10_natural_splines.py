@@ -34,6 +34,12 @@ def by_polynomials(sites, alpha, beta):
     return alpha / 2, rest.coef[:2]
 
 
+@answers("10.1")
+def as_a_list(sites, alpha, beta):
+    a, b = by_the_third_moments(sites, alpha, beta)
+    return [a, b]
+
+
 # 10.2 The spline by distances
 
 
@@ -81,6 +87,12 @@ def from_the_jumps(sites, values):
     a[order] = np.diff(np.r_[0, third, 0]) / 12
     rest = values - np.abs(sites[:, None] - sites) ** 3 @ a
     return a, np.linalg.lstsq(np.vander(sites, 2, increasing=True), rest, rcond=None)[0]
+
+
+@answers("10.2")
+def as_a_list_of_two(sites, values):
+    a, b = on_the_null_space(sites, values)
+    return [a, b]
 
 
 # 10.3 The moments
@@ -183,6 +195,25 @@ def by_scipy_pieces(sites, values, bends, x):
     near = np.clip(x, sites[0], sites[-1])
     last = (values[-1] - values[-2]) / h[-1] + h[-1] / 6 * bends[-2]
     return pieces(near) + (x - near) * np.where(x < near, slopes[0], last)
+
+
+@answers("10.4")
+def by_truncated_powers(sites, values, bends, x):
+    """The jumps of s‴ are six times the coefficients; the line is that of the first interval."""
+    h = np.diff(sites)
+    alpha = np.diff(np.r_[0, np.diff(bends) / h, 0]) / 6
+    slope = (values[1] - values[0]) / h[0] - h[0] * bends[1] / 6
+    cubes = np.maximum(x[:, None] - sites, 0) ** 3
+    return values[0] + slope * (x - sites[0]) + cubes @ alpha
+
+
+@answers("10.4")
+def by_cubed_distances(sites, values, bends, x):
+    """The jumps of s‴ are twelve times the coefficients; least squares give the line."""
+    a = np.diff(np.r_[0, np.diff(bends) / np.diff(sites), 0]) / 12
+    left = values - np.abs(sites[:, None] - sites) ** 3 @ a
+    line = np.linalg.lstsq(np.vander(sites, 2), left, rcond=None)[0]
+    return np.abs(x[:, None] - sites) ** 3 @ a + np.polyval(line, x)
 
 
 # 10.5 Back to truncated powers

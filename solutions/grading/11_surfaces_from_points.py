@@ -18,6 +18,7 @@ from fieldcheck.questions.q11_zero_levels import (
     first_in_a_plane,
     in_another_unit,
     near_diagonals,
+    of_the_size,
     points_about_origin,
 )
 from fieldgrade.authoring.hidden_cases import hidden
@@ -220,6 +221,7 @@ def no_steps(seed):
         Call("to_surface", (x, *coefficients, 0), "no steps"),
         Call("to_surface", (x, *coefficients, 4), "four steps"),
         Call("to_surface", (*in_another_unit(2.0**12, x, *coefficients), 3), "large steps"),
+        Call("to_surface", (*of_the_size(2.0**-50, x, *coefficients), 3), "small steps and values"),
         Call("to_surface", (x[:1], *coefficients, 3), "one point"),
         Call("to_surface", (np.rint(large).astype(int), *others, 3), "whole numbers"),
         *(

@@ -79,7 +79,7 @@ def few_and_far(seed):
     return (
         Call("triangles_at_sides", (np.array([[4000, 7, 12]]),), "one triangle"),
         Call("triangles_at_sides", (LARGE,), "four triangles with large numbers"),
-        Call("triangles_at_sides", (LARGE[:, ::-1],), "the same, inverted"),
+        Call("triangles_at_sides", (LARGE[:, ::-1],), "four inverted triangles with large numbers"),
         Call("triangles_at_sides", (FEW,), "four triangles"),
         Call(
             "triangles_at_sides", (np.array([[1, 1000, 1023], [65, 1000, 900]]),), "two triangles"

@@ -76,6 +76,15 @@ def no_mixed_products(points, degree):
 
 
 @answers("09.1")
+def no_mixed_products_and_always_a_constant(points, degree):
+    """The powers of each coordinate are there, products of both are not. Without x₁x₂ a quadratic
+    that is turned is no longer in the space. And for the degree −1 there must be no column at all.
+    """
+    powers = range(1, degree + 1)
+    return basis(points, [(0, 0), *((k, 0) for k in powers), *((0, k) for k in powers)])
+
+
+@answers("09.1")
 def a_row_for_each_polynomial(points, degree):
     """This is the transpose of the required matrix: it has a row for each monomial. In (9.3) P has
     a row for each point.
@@ -285,6 +294,14 @@ def nearly_vanishing_counted(points, degree):
 
 
 @answers("09.3")
+def tolerance_too_small(points, degree):
+    """A singular value of less than 10⁻¹¹ times the largest one did not count as zero. All those of
+    at most 10⁻¹⁰ times the largest one count as zero.
+    """
+    return space(degree) - rank_of(full(own_box(points), degree), 1e-12)
+
+
+@answers("09.3")
 def small_singular_values_counted(points, degree):
     """With fewer points than monomials your number is too small. P has only N singular values then,
     and each column beyond N adds one polynomial that vanishes.
@@ -365,7 +382,7 @@ def solved(points, values, k, degree, x, ridge=0.0, corner=0.0):
 
 
 @answers("09.4")
-def bumps_alone(points, values, k, degree, x):
+def kernels_alone(points, values, k, degree, x):
     """Only A λ = v was solved, without a polynomial and without side conditions. For these kernels
     the matrix may be singular at distinct points, as in the first picture. Which blocks of (9.3)
     are missing?

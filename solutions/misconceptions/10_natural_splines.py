@@ -81,10 +81,10 @@ def cubes_of_absolute_sites(sites, alpha, beta):
 # 10.2 The spline by distances
 
 
-def bumped(sites, values, bump, p):
+def interpolated(sites, values, kernel, p):
     n, q = p.shape
     h = np.zeros((n + q, n + q))
-    h[:n, :n] = bump(sites[:, None] - sites[None, :])
+    h[:n, :n] = kernel(sites[:, None] - sites[None, :])
     h[:n, n:], h[n:, :n] = p, p.T
     found = np.linalg.solve(h, np.append(values, np.zeros(q)))
     return found[:n], found[n:]
@@ -116,7 +116,7 @@ def truncated_powers_instead(sites, values):
     """These are the coefficients of truncated powers, with the line before the first site. They
     belong to (10.1); the question asks for those of (10.4).
     """
-    a, b = bumped(sites, values, cube, lines(sites))
+    a, b = interpolated(sites, values, cube, lines(sites))
     return 2 * a, np.array([b[0] + a @ sites**3, b[1] - 3 * a @ sites**2])
 
 
@@ -126,7 +126,7 @@ def constant_alone(sites, values):
     coefficients a sum to zero, but their products with the sites do not, and the curve is not
     straight outside. P has two columns.
     """
-    a, b = bumped(sites, values, cube, np.ones((len(sites), 1)))
+    a, b = interpolated(sites, values, cube, np.ones((len(sites), 1)))
     return a, np.append(b, 0.0)
 
 
@@ -143,13 +143,15 @@ def distances_not_cubed(sites, values):
     """The distances enter without the third power. Their sum is a broken line with a kink at each
     site. Which power of the distance has two continuous derivatives?
     """
-    return bumped(sites, values, np.abs, lines(sites))
+    return interpolated(sites, values, np.abs, lines(sites))
 
 
 @answers("10.2", named=False)
 def thin_plate_of_squares(sites, values):
     """The kernel is r² log r², which is twice the one of the plane."""
-    return bumped(sites, values, lambda z: z**2 * np.log(np.where(z == 0, 1, z**2)), lines(sites))
+    return interpolated(
+        sites, values, lambda z: z**2 * np.log(np.where(z == 0, 1, z**2)), lines(sites)
+    )
 
 
 @answers("10.2")
@@ -157,7 +159,7 @@ def thin_plate(sites, values):
     """The kernel is the one of the plane, r² log r. On the line the curve of least bending is made
     of cubes of distances. The kernel of least energy depends on the number of variables.
     """
-    return bumped(
+    return interpolated(
         sites, values, lambda z: z**2 * np.log(np.where(z == 0, 1, np.abs(z))), lines(sites)
     )
 
@@ -176,7 +178,7 @@ def slope_before_constant(sites, values):
     """The slope comes before the constant: the columns of your P are in the other order. In (10.4)
     the constant comes first.
     """
-    a, b = bumped(sites, values, cube, lines(sites))
+    a, b = interpolated(sites, values, cube, lines(sites))
     return a, b[::-1]
 
 
@@ -185,7 +187,7 @@ def sorted_without_the_values(sites, values):
     """The sites were put in order and the values were not, so they belong to other sites now. If
     you sort one, sort the other with it; here there is no need to sort at all.
     """
-    return bumped(np.sort(sites), values, cube, lines(np.sort(sites)))
+    return interpolated(np.sort(sites), values, cube, lines(np.sort(sites)))
 
 
 @answers("10.2")
@@ -194,7 +196,7 @@ def coefficients_of_sorted_sites(sites, values):
     no sorting is needed.
     """
     order = np.argsort(sites)
-    return bumped(sites[order], values[order], cube, lines(sites[order]))
+    return interpolated(sites[order], values[order], cube, lines(sites[order]))
 
 
 # 10.3 The moments

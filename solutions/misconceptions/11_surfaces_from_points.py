@@ -127,8 +127,8 @@ def ratio_upside_down(points, k):
     """The normals are right. In the planarity the quotient is inverted, so that it is not between
     0 and 1: divide the smallest eigenvalue by the second smallest.
     """
-    n, q = fitted(points, k)
-    return n, 1 - 1 / (1 - q)
+    sizes, axes = principal(neighbours(points, k))
+    return axes[:, :, 0], 1 - sizes[:, 1] / sizes[:, 0]
 
 
 @answers("11.1")
@@ -474,6 +474,15 @@ def distance_to_others_only(points, normals, distance):
 
 
 @answers("11.4")
+def at_most_thirty_halvings(points, normals, distance):
+    """The length was halved thirty times at most. Beside a very large Δ a cloud may be so small
+    that this is too few: halve until the test of (11.6) is passed.
+    """
+    lengths = halved(points, normals, distance, own(points))
+    return np.maximum(lengths, distance / 2**30)
+
+
+@answers("11.4")
 def as_far_as_possible(points, normals, distance):
     """The largest length that passes the test was computed. (11.6) asks for the largest of Δ, Δ/2,
     Δ/4, … that passes.
@@ -728,6 +737,34 @@ def scaled_together(x, sites, lam, c, steps):
     has its own gradient: along which axis must the sum run?
     """
     return stepped(x, sites, lam, c, steps, lambda f, g: -f[:, None] * g / (g * g).sum())
+
+
+@answers("11.7")
+def stopped_at_a_small_value(x, sites, lam, c, steps):
+    """The steps end as soon as all values of F are below a fixed number. If lengths are of the size
+    10⁻⁹, as in metres between atoms, all values of a distance are below it from the start. Make the
+    given number of steps.
+    """
+    for _ in range(steps):
+        f, g = slope(x, sites, lam, c)
+        if np.abs(f).max() < 1e-8:
+            break
+        x = x - f[:, None] * g / squares(g)
+    return x
+
+
+@answers("11.7")
+def stopped_after_a_small_step(x, sites, lam, c, steps):
+    """The steps end as soon as one of them is shorter than a fixed number. If all lengths are of
+    the size 10⁻⁹, already the first step is shorter. Make the given number of steps.
+    """
+    for _ in range(steps):
+        f, g = slope(x, sites, lam, c)
+        step = f[:, None] * g / squares(g)
+        x = x - step
+        if np.abs(step).max() < 1e-8:
+            break
+    return x
 
 
 @answers("11.7", named=False)

@@ -271,6 +271,14 @@ def areas_squared(H, p, m):
     return H.T @ (p * m**2) / (H.T @ m)
 
 
+@answers("12.6")
+def small_number_added_to_the_areas(H, p, m):
+    """A fixed number was added to the areas of the nodes, so that none is zero. If all areas are
+    tiny, it is not small beside them. In the inputs no area of a node is zero.
+    """
+    return (H.T @ (m * p)) / (H.T @ m + 1e-12)
+
+
 @answers("12.6", named=False)
 def positive_areas_of_nodes(H, p, m):
     """The area of a node with negative weights was replaced by a positive one."""
@@ -644,6 +652,26 @@ def small_imaginary_parts(K, H, A):
     """
     found = growths(K, H, A)
     return 1 / found[np.abs(found.imag) < 1e-9].real.max()
+
+
+@answers("12.11")
+def nearly_real_ones_too(K, H, A):
+    """Eigenvalues were taken as real if their imaginary part is below a millionth of their size.
+    But such an eigenvalue is not real, and no real q belongs to it. The computed eigenvalues of a
+    real matrix are exactly real, or they are conjugate pairs: use `np.isreal`.
+    """
+    found = growths(K, H, A)
+    return 1 / found[np.abs(found.imag) < 1e-6 * np.abs(found)].real.max()
+
+
+@answers("12.11")
+def real_up_to_a_tenth(K, H, A):
+    """Eigenvalues were taken as real if their imaginary part is below a tenth of their size. No
+    real q belongs to a complex eigenvalue. The computed eigenvalues of a real matrix are exactly
+    real, or they are conjugate pairs: use `np.isreal`.
+    """
+    found = growths(K, H, A)
+    return 1 / found[np.abs(found.imag) < 0.1 * np.abs(found)].real.max()
 
 
 @answers("12.11", named=False)

@@ -593,6 +593,12 @@ def shift_of_at_most_a_half(u, low, high, m, total):
 
 
 @answers("13.9", named=False)
+def shift_below_a_billion(u, low, high, m, total):
+    """The shift λ of (13.9) may be larger than any fixed number: values may be of any size."""
+    return halved(u, low, high, m, total, -1e9, 1e9)
+
+
+@answers("13.9", named=False)
 def shift_within_the_range_of_the_values(u, low, high, m, total):
     """The shift may be larger than the range of the values."""
     return halved(u, low, high, m, total, -np.ptp(u), np.ptp(u))

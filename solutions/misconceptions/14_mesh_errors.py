@@ -161,6 +161,15 @@ def key_for_a_hundred_vertices(triangles):
     return count[which]
 
 
+@answers("14.2", named=False)
+def key_for_a_thousand_vertices(triangles):
+    """The key is not unique for vertices from 1000 on."""
+    ends = np.sort(sides(triangles))
+    key = ends[:, 0] * 1000 + ends[:, 1]
+    _, which, count = np.unique(key, return_inverse=True, return_counts=True)
+    return count[which]
+
+
 @answers("14.2")
 def by_direction(triangles):
     """Sides that run in opposite directions were counted as different edges. In an oriented surface
@@ -596,6 +605,23 @@ def most_triangles_stay(points, triangles):
     return assembled(len(triangles), found)
 
 
+@answers("14.6", named=False)
+def fifty_rounds(points, triangles):
+    """Signs were passed on fifty times only, which is too few for a long strip."""
+    ends = sides(triangles)
+    same = (np.sort(ends)[:, None] == np.sort(ends)).all(axis=2)
+    alike = (ends[:, None] == ends).all(axis=2)
+    one, two = np.nonzero(same & ~np.eye(len(ends), dtype=bool))
+    relation = np.where(alike[one, two], -1, 1)
+    first, sign = np.arange(len(triangles)), np.ones(len(triangles))
+    for _ in range(50):
+        for s, t, r in zip(one // 3, two // 3, relation):
+            if first[s] < first[t]:
+                first[t], sign[t] = first[s], r * sign[s]
+    disagree = sign[one // 3] * sign[two // 3] != relation
+    return np.where(np.isin(first, first[one[disagree] // 3]), 0, sign)
+
+
 # 14.7 Flat triangles
 
 
@@ -830,6 +856,21 @@ def middle_of_the_line(start, end, corners):
     ]
     p, q = plane(start, end, corners)
     return (p * q < 0) & np.all(inside, axis=0)
+
+
+@answers("14.8")
+def signs_of_the_cross_product(start, end, corners):
+    """The sign was taken of the cross product, coordinate by coordinate, before it was multiplied.
+    Then the plane has another direction. In (14.4) the sign is that of the whole product.
+    """
+
+    def six_volumes(a, b, c, d):
+        return np.sign((np.sign(np.cross(b - a, c - a)) * (d - a)).sum(axis=1))
+
+    a, b, c = corners.swapaxes(0, 1)
+    p, q = six_volumes(a, b, c, start), six_volumes(a, b, c, end)
+    one, two = six_volumes(start, end, a, b), six_volumes(start, end, b, c)
+    return (p == -q) & (p != 0) & (one == two) & (two == six_volumes(start, end, c, a))
 
 
 @answers("14.8", named=False)

@@ -111,26 +111,54 @@ def _distance(question: Question, call: Call, one: Outcome, other: Outcome, righ
     if [v.shape for v in values] != [v.shape for v in known]:
         return np.inf
     if [v.shape for v in known] != list(shapes):
-        return _plain_distance(call, values, known, question.tolerance(call))
-    if any((np.isfinite(a) != np.isfinite(b)).any() for a, b in zip(values, known, strict=True)):
+        return _plain_distance(question, call, values, known, right)
+    finite, known_finite = (_finite(question, call, v) for v in (values, known))
+    if any((a != b).any() for a, b in zip(finite, known_finite, strict=True)):
         return np.inf
-    if not all(np.isfinite(v).all() for v in known):
-        return _plain_distance(call, values, known, question.tolerance(call))
+    if not all(f.all() for f in known_finite):
+        return _plain_distance(question, call, values, known, right)
     apart = question.fingerprint_differences(call, values, known, right)
     return max(float(d.max(initial=0.0)) for d in apart)
 
 
-def _plain_distance(call: Call, values: Values, known: Values, tolerance: float) -> float:
+def _finite(question: Question, call: Call, values: Values) -> Values:
+    """Return which values are finite; a fingerprint may leave out others.
+
+    A normal form is not applied: it may need finite values.
+    """
+    with np.errstate(all="ignore"):
+        kept = question.fingerprint(call, values) if question.fingerprint else values
+    return tuple(np.isfinite(v) for v in kept)
+
+
+def _plain_distance(
+    question: Question, call: Call, values: Values, known: Values, right: Values
+) -> float:
     """Compare values without a normal form: wrong shapes, or values that are not finite.
 
-    The order of rows is ignored, and so are numbers that are rounding errors of the arguments.
+    The order of rows is ignored, and so are numbers that are rounding errors of the arguments. The
+    order of columns is ignored if the question leaves it open.
     """
+    tolerance = question.tolerance(call)
     rounding = ROUNDING * max(_scale(np.asarray(a)) for a in call.arguments)
-    same = (
-        np.allclose(a, b, rtol=tolerance, atol=max(tolerance * _scale(b), rounding), equal_nan=True)
-        for a, b in zip(map(rows_sorted, values), map(rows_sorted, known), strict=True)
-    )
-    return 0.0 if all(same) else np.inf
+
+    def same(a: np.ndarray, b: np.ndarray) -> bool:
+        atol = max(tolerance * _scale(b), rounding)
+        return np.allclose(a, b, rtol=tolerance, atol=atol, equal_nan=True)
+
+    pairs = list(zip(values, known, strict=True))
+    near = all(same(rows_sorted(a), rows_sorted(b)) for a, b in pairs)
+    if not near and _order_of_columns_is_open(question, call, right):
+        near = all(same(rows_sorted(a.T), rows_sorted(b.T)) for a, b in pairs)
+    return 0.0 if near else np.inf
+
+
+def _order_of_columns_is_open(question: Question, call: Call, right: Values) -> bool:
+    """Return whether the right matrix is still right with its columns in the opposite order."""
+    other = tuple(v[:, ::-1] if v.ndim == 2 else v for v in right)
+    changed = any(not np.array_equal(a, b) for a, b in zip(other, right, strict=True))
+    apart = question.differences(call, other, right)
+    return changed and all(d.max(initial=0.0) <= 1 for d in apart)
 
 
 def rows_sorted(a: np.ndarray) -> np.ndarray:

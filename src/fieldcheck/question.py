@@ -96,8 +96,8 @@ class Question:
         sign or an order, before answers are compared.
     fingerprint : callable, optional
         ``fingerprint(call, values) -> values``: the part of the values by which mistakes are
-        recognized, if the normal form of a mistake depends on rounding. The default is the
-        normal form.
+        recognized, if the normal form of a mistake depends on rounding. It may be given values
+        that are not finite, and may leave them out. The default is the normal form.
     limit : float
         Time limit of one call, in seconds.
     may_call : tuple of str

@@ -215,6 +215,43 @@ def test_a_fingerprint_identifies_a_misconception():
     assert judged(lambda x: -2 * x).finding == "wrong"
 
 
+def test_a_fingerprint_may_leave_out_values_that_are_not_finite():
+    """Here it leaves out the first number, a quotient of rounding errors in a mistake."""
+    others = replace(TWICE, fingerprint=lambda _, values: tuple(v[1:] for v in values))
+
+    def first_divided_by_zero(x):
+        return np.append(np.inf, x[1:] ** 2)
+
+    def judged(question):
+        outcomes = perform({"twice": first_divided_by_zero}, CALLS, 1)
+        return judge(question, CALLS, outcomes, known())
+
+    assert judged(others).mistake == "squared"
+    assert judged(TWICE).finding == "not finite"
+
+
+@pytest.mark.parametrize(("open_order", "mistake"), [(True, "too few"), (False, "")])
+def test_columns_in_another_order_are_recognized_if_their_order_is_open(open_order, mistake):
+    """The mistake has too few columns, so that no normal form applies."""
+
+    def columns(*powers):
+        return lambda x: np.stack([x**k for k in powers], axis=1)
+
+    def by_first_row(_, values):
+        return tuple(v[:, np.argsort(v[0])] for v in values)
+
+    table = replace(
+        TWICE,
+        shapes=lambda call: ((call.arguments[0].size, 3),),
+        laws=(),
+        normal_form=by_first_row if open_order else unchanged,
+    )
+    right = tuple((columns(1, 2, 3)(call.arguments[0]),) for call in CALLS)
+    few = Mistake("too few", "One is missing.", perform({"twice": columns(1, 3)}, CALLS, 1))
+    outcomes = perform({"twice": columns(3, 1)}, CALLS, 1)
+    assert judge(table, CALLS, outcomes, Answers(right, (few,))).mistake == mistake
+
+
 def test_a_misconception_with_another_shape_is_recognized():
     """The student reads the sentence of the misconception instead of the shapes."""
     columns = perform({"twice": lambda x: 3 * x[:, None]}, CALLS, 1)

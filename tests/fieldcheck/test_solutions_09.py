@@ -151,8 +151,8 @@ def test_values_and_slopes_give_the_piecewise_cubic(random):
 
     def field(t):
         z = np.subtract.outer(t, x)
-        bumps = np.hstack([np.abs(z) ** 3, -3 * z * np.abs(z)])
-        return bumps @ found[:12] + found[12] + found[13] * t
+        terms = np.hstack([np.abs(z) ** 3, -3 * z * np.abs(z)])
+        return terms @ found[:12] + found[12] + found[13] * t
 
     inside, around = np.linspace(x[0], x[-1], 50), np.linspace(-1, 2, 50)
     cubic = CubicHermiteSpline(x, v, g)(inside)

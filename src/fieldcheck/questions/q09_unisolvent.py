@@ -140,11 +140,12 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
         (1e6 * ellipse, 2, "nine points on an ellipse of the size 10⁶ and the degree 2"),
         (near, 1, "seven points near a line, one off by 10⁻⁷, degree 1"),
         (nearer, 1, "seven points near a line, one off by 5 · 10⁻⁹, degree 1"),
-        (nearer[:, ::-1], 1, "the same with exchanged coordinates"),
+        (nearer[:, ::-1], 1, "the seven points near a line, with their coordinates exchanged"),
         (cloud(random, 12, 2), 3, "twelve points and the degree 3"),
         (whole, 3, "eight points on a circle, in an array of integers, and the degree 3"),
         (cloud(random, 6, 2), 0, "six points and the degree 0"),
         *many_points(random, turn),
+        *nearly_on_a_line(random),
     )
     exact = (
         (cloud(random, 6, 2) * [0, 1] + [0.7, 0], 1, "six points on an upright line, degree 1"),
@@ -175,6 +176,20 @@ def many_points(random: np.random.Generator, turn: float) -> Iterator[tuple[np.n
     steps = random.permutation(20)[:7] - 9
     along = np.outer(steps, random.integers(1, 6, 2)) + random.integers(-9, 10, 2)
     yield along, 1, "seven points on a line, in an array of integers, and the degree 1"
+
+
+def nearly_on_a_line(random: np.random.Generator) -> Iterator[tuple[np.ndarray, int, str]]:
+    """Yield points one of which is so little off a line that the line counts as vanishing there.
+
+    The least singular value is between 10⁻¹² and 10⁻¹¹ of the largest one, wherever the origin of
+    a box of the size of the points is.
+    """
+    for n, words in ((8, "eight"), (9, "nine")):
+        turn = random.uniform(0.2, 1.3)
+        along = np.sort(cloud(random, n, 1)[:, 0])
+        points = np.outer(along, [np.cos(turn), np.sin(turn)])
+        points[4] += 8e-12 * np.array([-np.sin(turn), np.cos(turn)])
+        yield points, 1, f"{words} points near a line, one off by 8 · 10⁻¹², degree 1"
 
 
 @law_of_each(

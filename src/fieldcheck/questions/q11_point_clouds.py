@@ -119,7 +119,7 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((integers(torus(random, 4, 8), 1e4), 6), "a torus in space, integers"),
         ((2.0**-20 * oval(random, 13), 5), "an oval of the size 10⁻⁶"),
         ((first, 6), "the same oval, six neighbours"),
-        ((first[::-1] * [1.0, -1.0], 4), "its mirror image, four neighbours"),
+        ((first[::-1] * [1.0, -1.0], 4), "the mirror image of the oval, four neighbours"),
         ((2.0**20 * oval(random, 13), 5), "an oval of the size 10⁶"),
     ) + tuple(Call(name, (points, k), case, exact=(0,)) for points, k, case in exactly_flat)
 
@@ -179,6 +179,16 @@ def with_one_sign(_: Call, values: Values) -> Values:
     return (side[:, None] * n, *others)
 
 
+def without_quotients_of_rounding_errors(call: Call, values: Values) -> Values:
+    """Return normals with one sign, and the planarity unless it is 1 everywhere.
+
+    If neighbours lie exactly on a line or plane, which holds for the calls with exact points, the
+    smallest variance is a rounding error. Divided by it, any number may result.
+    """
+    n, planarity = with_one_sign(call, values)
+    return n, 0 * np.isnan(planarity) if call.exact else planarity
+
+
 # 11.2 The graph
 
 
@@ -200,7 +210,7 @@ def graph_inputs(seed: int) -> tuple[Call, ...]:
         ((random.normal(size=(10, 3)) - 4e7, 3), "points in space, far from the origin"),
         ((random.normal(size=(6, 2)), 6), "six points, all of them neighbours"),
         ((square, 3), "the same points in a square, K = 3"),
-        ((1 - square[::-1], 4), "their mirror images"),
+        ((1 - square[::-1], 4), "the mirror images of the points in a square"),
         ((integers(square, 1e4), 4), "points in a square, integers"),
         ((integers(space, 1e4), 3), "points in space, integers"),
         ((2.0**-40 * space, 4), "points in space of the size 10⁻¹²"),
@@ -274,8 +284,32 @@ def beside_inputs(seed: int) -> tuple[Call, ...]:
         ((bent, -outward(bent), 1.7), "the same horseshoe, normals that point inward"),
         ((axes * random.permutation([[2], [3], [4], [5]]), axes, 3.3), "four points, integers"),
         ((bent[:2], outward(bent[:2]), 3), "two points, and Δ = 3"),
+        *(
+            ((points, directions, 0.9 * 2.0**40), case)
+            for points, directions, case in (
+                (*oval_and_tangents(random, 8), "eight points of an oval, and Δ = 10¹²"),
+                (*six_on_axes(random), "six points on the axes of space, and Δ = 10¹²"),
+            )
+        ),
     )
     return (*near_origin, far, *small)
+
+
+def oval_and_tangents(random: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return n points of an oval, and unit vectors along it.
+
+    Far away along a tangent, on either side, another point is clearly nearer. So a very large Δ is
+    halved for all lengths, and no length is so large that the others are rounding errors beside it.
+    """
+    points = oval(random, n)
+    along = points[:, ::-1] * [-1.2 / 0.8, 0.8 / 1.2]
+    return points, along / np.hypot(*along.T)[:, None]
+
+
+def six_on_axes(random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Return points on both sides of the origin on each axis, and directions of another axis."""
+    axes = np.vstack([np.eye(3), -np.eye(3)])
+    return random.uniform(1.5, 2.5, (6, 1)) * axes, np.roll(axes, 1, axis=1)
 
 
 @law(
@@ -313,6 +347,7 @@ QUESTIONS = (
         (have_the_least_variance,),
         coordinate_tolerance,
         with_one_sign,
+        without_quotients_of_rounding_errors,
     ),
     Question(
         "11.2",

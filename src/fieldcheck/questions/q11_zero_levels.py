@@ -231,9 +231,19 @@ def in_another_unit(size: float, x: np.ndarray, *function: np.ndarray) -> tuple[
     return size * x, size * sites, weights / size**3, np.append(plane[0], plane[1:] / size)
 
 
+def of_the_size(size: float, x: np.ndarray, *function: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return points and a function (11.7) whose lengths and values are multiplied by a number.
+
+    The gradients stay the same, as those of a distance do in another unit.
+    """
+    places, sites, weights, plane = in_another_unit(size, x, *function)
+    return places, sites, size * weights, size * plane
+
+
 def newton_inputs(seed: int) -> tuple[Call, ...]:
     """Return points near a zero level, with no, one, two and enough steps, in two units of length;
-    at last a single point.
+    a single point; many points. At last lengths and values are so small that an answer stops too
+    early if it compares F or a step with a fixed number.
     """
     random = np.random.default_rng(seed)
     plane, space = body(random, 2, 5), body(random, 3, 4)
@@ -254,6 +264,14 @@ def newton_inputs(seed: int) -> tuple[Call, ...]:
         ((x, plane[0], 1.2 * plane[1], plane[2], 2), "two steps in the plane, λ larger"),
         ((near_diagonals(random, 37, 2), *plane, 1), "one step from 37 points"),
         ((near_diagonals(random, 3, 2), *body(random, 2, 43), 2), "two steps, and 43 sites"),
+        (
+            (*of_the_size(2.0**-30, x, *plane), 3),
+            "three steps, with lengths and values of about 10⁻⁹",
+        ),
+        (
+            (*of_the_size(2.0**-60, near_diagonals(random, 4, 3), *space), 3),
+            "three steps in space, with lengths and values of about 10⁻¹⁸",
+        ),
     )
 
 

@@ -37,7 +37,10 @@ def meshes(name: str, seed: int) -> tuple[Call, ...]:
     return calls_of(
         name,
         ((plane, x), "twelve nodes in the plane"),
-        ((turned, np.column_stack([-x[:, 1], x[:, 0]])), "the same after a quarter of a turn"),
+        (
+            (turned, np.column_stack([-x[:, 1], x[:, 0]])),
+            "the twelve nodes after a quarter of a turn",
+        ),
         ((space, random.uniform(0, 1, (4, 3))), "twelve nodes in space"),
         (
             (line, random.integers(-1, 4, (6, 1))),
@@ -359,6 +362,16 @@ def densities_inputs(seed: int) -> tuple[Call, ...]:
         ((h, np.zeros(12), areas), "pressures that are zero"),
         ((h, 2.0**-40 * random.normal(size=12), areas), "pressures of about 10⁻¹²"),
         ((transfer(random, 61, 5), random.normal(size=61), random.uniform(1, 2, 61)), "61 points"),
+        *(
+            (
+                (transfer(random, n, 3), random.normal(size=n), size * random.uniform(0.5, 2, n)),
+                case,
+            )
+            for n, size, case in (
+                (9, 2.0**-50, "nine areas of about 10⁻¹⁵"),
+                (6, 2.0**-60, "six areas of about 10⁻¹⁸"),
+            )
+        ),
     )
 
 

@@ -183,7 +183,29 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
             for air in [np.diag(random.integers(1, 9, m))]
         ),
         ((*wing(random, 43, 3)[:2], np.outer(*random.uniform(0.4, 1, (2, 3)))), "43 nodes"),
+        *(
+            (nearly_real(random, n, stiffness, part), case)
+            for n, stiffness, part, case in (
+                (3, 2.0, 0.05, "three nodes with complex eigenvalues of small imaginary part"),
+                (4, 0.5, 0.05, "four nodes with complex eigenvalues of small imaginary part"),
+                (3, 3.0, 3e-8, "three nodes with complex eigenvalues of tiny imaginary part"),
+                (4, 2.0**40, 3e-8, "four nodes with complex eigenvalues of tiny imaginary part"),
+            )
+        ),
     )
+
+
+def nearly_real(
+    random: np.random.Generator, n: int, stiffness: float, part: float
+) -> tuple[np.ndarray, ...]:
+    """Return equally stiff nodes; two eigenvalues of large real part are not real, but nearly.
+
+    K⁻¹HᵀAH is normal, so that rounding errors change its eigenvalues as little as its entries.
+    """
+    growth = np.diag(0.4 / np.arange(1, n + 1)) * random.uniform(0.9, 1.1)
+    growth[:2, :2] = random.uniform(0.6, 0.8) * np.array([[1, part], [-part, 1]])
+    frame = np.linalg.qr(random.normal(size=(n, n)))[0]
+    return stiffness * np.eye(n), np.eye(n), stiffness * frame @ growth @ frame.T
 
 
 @law_of_each("At q the matrix of (12.11) must be singular, and at no smaller positive q.")

@@ -206,6 +206,8 @@ def mass_inputs(seed: int) -> tuple[Call, ...]:
                 (5, 1e9, 1, 0.6, "values of about 10⁹"),
                 (8, 1, 1e9, 0.1, "areas of about 10⁹"),
                 (2, 1, 1, 0.6, "two sites"),
+                (9, 1e13, 1, 0.7, "values of about 10¹³"),
+                (6, 1e16, 1, 0.2, "values of about 10¹⁶"),
             )
         ),
     )

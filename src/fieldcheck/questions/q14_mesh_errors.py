@@ -203,6 +203,14 @@ def larger_numbers(random: np.random.Generator) -> dict[str, Surface]:
     }
 
 
+def thousands(random: np.random.Generator) -> dict[str, Surface]:
+    """Return triangles with vertex numbers below and above 1000."""
+    return {
+        "two triangles with numbers up to 1100": alike(random, 1000),
+        "two other triangles with numbers up to 1100": alike(random, 1000),
+    }
+
+
 def few(random: np.random.Generator) -> dict[str, Surface]:
     """Return a strip of three triangles, as many as a triangle has vertices."""
     return {"a strip of three triangles": shuffled(random, without(sheet(1, 2), 1))}
@@ -242,12 +250,14 @@ def edge_surfaces(seed: int) -> dict[str, Surface]:
         **larger_numbers(random),
         **few(random),
         "triangles like three pages of a book": shuffled(random, book(3)),
+        **thousands(random),
     }
 
 
 TIMES = (
     *((0, 108), (14, 58), (22, 6, 3, 0, 5), (0, 60), (0, 672), (0, 768)),
     *((0, 102, 9), (0, 66, 9), (6,), (6,), (3, 204), (3, 204), (6,), (6,), (5, 4), (6, 0, 3)),
+    *((6,), (6,)),
 )
 """The number of sides of these surfaces that belong to an edge of one, two, … triangles."""
 
@@ -305,13 +315,13 @@ def euler_inputs(seed: int) -> tuple[Call, ...]:
         ),
         *(
             Call("euler_characteristic", (triangles,), case)
-            for surfaces in (large_numbers, hundreds, larger_numbers, few)
+            for surfaces in (large_numbers, hundreds, larger_numbers, few, thousands)
             for case, (_, triangles) in surfaces(random).items()
         ),
     )
 
 
-CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 1, 1, 2, 4, 0, 2, 2, 1, -1, 2, 2, 1)
+CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 1, 1, 2, 4, 0, 2, 2, 1, -1, 2, 2, 1, 2, 2)
 
 
 @law("χ must be that of the surface: 2 for a sphere, 0 for a torus, 1 for a sheet; parts add up.")

@@ -183,11 +183,24 @@ def turn_inputs(seed: int) -> tuple[Call, ...]:
         "a strip with a half twist, whose ends meet without common vertices": strip,
         "halves of a sphere that meet without common vertices": shuffled(random, halves(1, 5)),
     }
-    made = larger_numbers(random) | few(random) | seams
+    made = larger_numbers(random) | few(random) | seams | long_ones(random)
     return (*calls, *(Call("turns", surface, case, exact=(0,)) for case, surface in made.items()))
 
 
-ONE_SIDED = (0, 0, 0, 0, 24, 0, 24, 0, 0, 0, 0, 0, 67, 0, 0, 0, 0, 0)
+def long_ones(random: np.random.Generator) -> dict[str, Surface]:
+    """Return strips so long that fifty rounds from neighbour to neighbour are too few.
+
+    Their vertices lie anywhere, so that few normals are nearly perpendicular to each other.
+    """
+    strips = {
+        "a strip of 420 triangles": sheet(1, 210),
+        "a closed strip of 480 triangles": fused(sheet(1, 240), (0, 240), (241, 481)),
+    }
+    made = {case: shuffled(random, flipped(random, strip)) for case, strip in strips.items()}
+    return {case: (random.normal(size=p.shape), t) for case, (p, t) in made.items()}
+
+
+ONE_SIDED = (0, 0, 0, 0, 24, 0, 24, 0, 0, 0, 0, 0, 67, 0, 0, 0, 0, 0, 0, 0)
 """The number of triangles of these surfaces that belong to a one-sided part."""
 
 
