@@ -203,6 +203,10 @@ class Frame:
         """Coordinates (..., d) in the frame."""
         return (x - self.center) / self.scale
 
+    def point(self, y: np.ndarray) -> np.ndarray:
+        """The point x (d,) with the coordinates y in the frame."""
+        return self.center + self.scale * y
+
     def scaled(self, x: np.ndarray) -> np.ndarray:
         """Coordinates (..., d) in its unit, not shifted, so that close points stay apart."""
         return x / self.scale

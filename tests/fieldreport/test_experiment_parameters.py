@@ -102,6 +102,7 @@ def test_a_list_of_sizes_may_be_given_in_any_order():
 CONTRADICTIONS = [
     ("adaptive_front", {"coarsen": 0.1}, "coarsen must be less than refine; got 0.1"),
     ("cell_velocity", {"triangle": (0.0, 0, 1, 1, 2, 2)}, "triangle must be three corners"),
+    ("cell_velocity", {"triangle": (0, 0, 1e6, 0, 5e5, 1e-6)}, "triangle .* line, to 1e-06 of"),
     ("elastic_wing", {"angle": -4.5, "incidence": (4.5, 4.5), "camber": 0.0}, "angle must be"),
     ("epsilon_sweep", {"largest": 1e-4}, "largest must be 0.001 or more, 10 times smallest"),
     ("epsilon_sweep", {"noises": (0.1, 0.5)}, "noises must be a list with 0"),
@@ -114,7 +115,7 @@ CONTRADICTIONS = [
     ("partition_of_unity", {"queries": 200_000}, "queries must be 138032 or less"),
     ("polyhedra", {"shifts": 2}, "shifts must be so many that two"),
     ("polyhedra", {"largest_shift": 1e-10}, "largest_shift must be 2e-10 or more"),
-    ("power_sampling", {"powers": (1,)}, "powers must be a list with 2 or more"),
+    ("power_sampling", {"powers": (1,)}, "powers must be a list that holds an n of 2 or more"),
     ("pressure_gradients", {"largest": 0.01}, "largest must be more than smallest; got 0.01"),
     ("terrain", {"shown_degree": 3}, "shown_degree must be one of degrees; got 3"),
 ]

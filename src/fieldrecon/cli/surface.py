@@ -71,7 +71,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "surface is where the scalar has this value",
     )
     add("--value", metavar="COLUMN", help="with --level, the column that holds the scalar")
-    add("--edge", type=float, metavar="LENGTH", help="of the triangles (the spacing of the points)")
+    add(
+        "--edge",
+        type=float,
+        metavar="LENGTH",
+        help="of the triangles (the spacing of the points, less where they are few)",
+    )
     add(
         "--open",
         type=float,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from functools import partial
 
@@ -10,7 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon.coupling.transfer import Coupling, Transfer, applied, as_surface, row_sums
+from fieldrecon.coupling.transfer import (
+    Coupling,
+    Transfer,
+    applied,
+    as_surface,
+    principal_axes,
+    row_sums,
+    warn_of_large_weights,
+)
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.reconstruction import Reconstruction
@@ -23,9 +30,6 @@ blended_plates = partial(PartitionOfUnityRBF, kernel=thin_plate_spline(), degree
 
 FLATNESS = 1e-6
 """Thickness up to which nodes count as flat, relative to their extent: the digits of a file."""
-
-MAX_ROW_NORM = 100.0
-"""Sum of the absolute weights of a node of the surface above which `couple` warns."""
 
 
 class FlatCoupling(Transfer):
@@ -67,6 +71,11 @@ class FlatCoupling(Transfer):
     numpy.linalg.LinAlgError
         If the nodes lie on a line in space: their displacements do not determine its twist.
 
+    Warns
+    -----
+    RuntimeWarning
+        As `Coupling`.
+
     References
     ----------
     Wendland (2005), section 1.2, for structures that are two-dimensional objects.
@@ -90,6 +99,7 @@ class FlatCoupling(Transfer):
         self.heights = (self.surface - center) @ self.normal
         self._weights = self.method.weights(self.projections)
         self._slopes = self.method.gradient_weights(self.projections)
+        warn_of_large_weights(self.row_norms())
 
     def row_norms(self) -> np.ndarray:
         """Sums of the absolute weights of each node of the surface, at its projection.
@@ -148,8 +158,7 @@ def couple(
     Warns
     -----
     RuntimeWarning
-        If the absolute weights of a node of the surface sum to more than 100: displacements and
-        loads may grow by this factor, and so do their errors.
+        As `Coupling`.
 
     Notes
     -----
@@ -170,28 +179,12 @@ def couple(
     """
     structure = valid.as_points(structure, "structure")
     flatness = valid.as_length(flatness, "flatness", zero_allowed=True)
-    thinness = principal_axes(structure)[1]
-    if structure.shape[1] > 1 and thinness[-1] <= flatness:
+    if structure.shape[1] > 1 and principal_axes(structure)[1][-1] <= flatness:
         coupling: Coupling | FlatCoupling = FlatCoupling(structure, x, make, flatness)
     else:
         coupling = Coupling(make(structure), x)
     refuse_lost_moments(coupling.method)
-    warn_of_large_weights(coupling, thinness[-1])
     return coupling
-
-
-def principal_axes(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Principal axes (d, d) of points as rows, and the rms of the points along each axis.
-
-    The rms (d,) are relative to the extent of the points along the first axis, and decrease; all
-    are zero for points that coincide.
-    """
-    away = points - points.mean(axis=0)
-    size = np.abs(away).max(initial=0.0) or 1.0
-    sigma, axes = np.linalg.svd(np.linalg.qr(away / size, mode="r"))[1:]
-    rms = np.zeros(points.shape[1])
-    rms[: len(sigma)] = sigma / np.sqrt(len(points))
-    return axes, rms / (np.ptp(away / size @ axes[0]) or 1.0)
 
 
 def refuse_lost_moments(method: Reconstruction) -> None:
@@ -203,23 +196,6 @@ def refuse_lost_moments(method: Reconstruction) -> None:
             "neighbourhoods, give it larger ones, as by patch_size, or a global method; or make a "
             "Coupling if that is meant"
         )
-
-
-def warn_of_large_weights(coupling: Coupling | FlatCoupling, thinness: float) -> None:
-    """Warn of a node of the surface whose absolute weights have a large sum."""
-    sums = coupling.row_norms()
-    if sums.max(initial=0.0) <= MAX_ROW_NORM:
-        return
-    worst = int(sums.argmax())
-    flat = isinstance(coupling, FlatCoupling)
-    thin = "" if flat else f", or flatness={2 * thinness:.1g} if the structure is meant to be flat"
-    warnings.warn(
-        f"the absolute weights of node {worst} of the surface sum to {sums[worst]:.2g}, more than "
-        f"{MAX_ROW_NORM:.0f}: displacements and loads, and their errors, may grow by this factor; "
-        f"give structural nodes nearer to it{thin}",
-        RuntimeWarning,
-        stacklevel=3,
-    )
 
 
 def refuse_a_line(thinness: np.ndarray, flatness: float) -> None:

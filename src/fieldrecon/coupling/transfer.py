@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import math
+import sys
+import warnings
 from abc import ABC, abstractmethod
+from contextlib import suppress
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +16,12 @@ from scipy.sparse.linalg import splu
 from fieldrecon._core import validation as valid
 from fieldrecon.coupling.rigid_body_motions import as_vectors, net_force_and_moment, rigid_motions
 from fieldrecon.reconstruction import Reconstruction, Weights, weights_if_they_fit
+
+MAX_ROW_NORM = 100.0
+"""Sum of the absolute weights of a node of the surface above which a coupling warns."""
+
+THIN = 0.01
+"""Thickness up to which nodes may be meant to be flat, relative to their extent."""
 
 SIGNS = 8
 """Vectors of random signs that bound the norms of rows that are not kept."""
@@ -196,6 +205,12 @@ class Coupling(Transfer):
     x : (m, d) array_like
         The nodes Y of the surface. The meshes need not match, nor cover the same region.
 
+    Warns
+    -----
+    RuntimeWarning
+        If the absolute weights of a node of the surface sum to more than 100: displacements and
+        loads may grow by this factor, and so do their errors.
+
     References
     ----------
     Wendland (2005), section 1.2, where loads are interpolated, which conserves neither work nor
@@ -217,6 +232,9 @@ class Coupling(Transfer):
         self.structure = method.points
         self.surface = self.projections = as_surface(x, self.structure)
         self._weights = weights_if_they_fit(method, self.surface)
+        # a method may refuse the random signs, and yet take smooth displacements
+        with suppress(np.linalg.LinAlgError):
+            warn_of_large_weights(self.row_norms(), self.structure)
 
     def row_norms(self) -> np.ndarray:
         """Sums of the absolute weights of each node of the surface; lower bounds if H is not kept.
@@ -242,6 +260,53 @@ class Coupling(Transfer):
         if self._weights is None:
             return self.method.adjoint(self.surface, f)
         return applied(self._weights.T, f)
+
+
+def warn_of_large_weights(sums: np.ndarray, structure: np.ndarray | None = None) -> None:
+    """Warn of a node of the surface whose absolute weights have a large sum.
+
+    Nodes of the structure are given if they are not treated as flat.
+    """
+    if sums.max(initial=0.0) <= MAX_ROW_NORM:
+        return
+    worst = int(sums.argmax())
+    warnings.warn(
+        f"the absolute weights of node {worst} of the surface sum to {sums[worst]:.2g}, more than "
+        f"{MAX_ROW_NORM:.0f}: displacements and loads, and their errors, may grow by this factor; "
+        f"give structural nodes nearer to it{'' if structure is None else _or_flat(structure)}",
+        RuntimeWarning,
+        stacklevel=_frames_of_this_package(),
+    )
+
+
+def _or_flat(structure: np.ndarray) -> str:
+    """The other remedy, for nodes that are nearly in a plane of space or on a line of the plane."""
+    thickness = principal_axes(structure)[1][-1]
+    if structure.shape[1] == 1 or thickness > THIN:
+        return ""
+    return f", or couple with flatness={2 * thickness:.1g} if the structure is meant to be flat"
+
+
+def _frames_of_this_package() -> int:
+    """The stack level of the user's own line, whichever function made the coupling."""
+    frame, level = sys._getframe(1), 1
+    while frame.f_back and frame.f_globals["__name__"].startswith("fieldrecon."):
+        frame, level = frame.f_back, level + 1
+    return level
+
+
+def principal_axes(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Principal axes (d, d) of points as rows, and the rms of the points along each axis.
+
+    The rms (d,) are relative to the extent of the points along the first axis, and decrease; all
+    are zero for points that coincide.
+    """
+    away = points - points.mean(axis=0)
+    size = np.abs(away).max(initial=0.0) or 1.0
+    sigma, axes = np.linalg.svd(np.linalg.qr(away / size, mode="r"))[1:]
+    rms = np.zeros(points.shape[1])
+    rms[: len(sigma)] = sigma / np.sqrt(len(points))
+    return axes, rms / (np.ptp(away / size @ axes[0]) or 1.0)
 
 
 def row_sums(weights: Weights) -> np.ndarray:

@@ -42,11 +42,11 @@ class thin_plate_spline(Radial):
 
     def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values 2 (1 + log s)."""
-        return np.where(s > 0, 2.0 + 2.0 * np.log(np.where(s > 0, s, 1.0)), 0.0)
+        return np.where(s != 0, 2.0 + 2.0 * np.log(np.where(s != 0, s, 1.0)), 0.0)
 
     def slope_of_distance(self, r: np.ndarray) -> np.ndarray:
         """Values 2 (1 + 2 log r)."""
-        return np.where(r > 0, 2.0 + 4.0 * np.log(np.where(r > 0, r, 1.0)), 0.0)
+        return np.where(r != 0, 2.0 + 4.0 * np.log(np.where(r != 0, r, 1.0)), 0.0)
 
     def in_units(self, h: float) -> Radial:  # noqa: ARG002 - it has no length
         """The same function: it has no length parameter."""
@@ -114,14 +114,14 @@ class polyharmonic(Radial):
     def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values k r^(k-2), with log r + 1/k for even k."""
         if self.k % 2:
-            root = np.sqrt(np.where(s > 0, s, 1.0))
-            return np.where(s > 0, self._sign * self.k * s ** (self.k // 2) / root, 0.0)
-        log = np.log(np.where(s > 0, s, 1.0)) / 2
-        return np.where(s > 0, self._sign * s ** (self.k // 2 - 1) * (self.k * log + 1), 0.0)
+            root = np.sqrt(np.where(s != 0, s, 1.0))
+            return np.where(s != 0, self._sign * self.k * s ** (self.k // 2) / root, 0.0)
+        log = np.log(np.where(s != 0, s, 1.0)) / 2
+        return np.where(s != 0, self._sign * s ** (self.k // 2 - 1) * (self.k * log + 1), 0.0)
 
     def slope_of_distance(self, r: np.ndarray) -> np.ndarray:
         """Values k r^(k-2), with log r + 1/k for even k."""
-        r, there = np.where(r > 0, r, 1.0), r > 0
+        r, there = np.where(r != 0, r, 1.0), r != 0
         factor = self.k if self.k % 2 else self.k * np.log(r) + 1
         return np.where(there, self._sign * r ** (self.k - 2.0) * factor, 0.0)
 

@@ -114,7 +114,8 @@ class matern(OfDistance):
         with np.errstate(over="ignore", invalid="ignore"):
             value = 2.0 ** (1.0 - self.nu) / gamma(self.nu) * inside**power * kv(power, inside)
         # where K_nu overflows, so near to zero, the limit is exact
-        return np.where((z > 0) & np.isfinite(value), value, at_zero)
+        near = np.where(np.isnan(z), z, at_zero)
+        return np.where((z > 0) & np.isfinite(value), value, near)
 
     def in_units(self, h: float) -> Radial:
         """The same kernel with scale / h."""
@@ -182,12 +183,12 @@ class wendland(OfDistance):
         """Values of phi'(r)/r, in which the factor z has been divided out."""
         power, p = self._parts()
         z = np.minimum(r / self.radius, 1.0)
-        inside = np.where(z < 1.0, (1.0 - z) ** (power - 1), 0.0)
+        inside = np.where(z == 1.0, 0.0, (1.0 - z) ** (power - 1))
         derivative = Polynomial([1, -1]) * p.deriv() - power * p
         if self.k > 0:
             slope = inside * Polynomial(derivative.coef[1:])(z)
         else:
-            slope = np.where(z > 0, inside * derivative(z) / np.where(z > 0, z, 1.0), 0.0)
+            slope = np.where(z != 0, inside * derivative(z) / np.where(z != 0, z, 1.0), 0.0)
         return slope / self.radius / self.radius
 
     def _parts(self) -> tuple[int, Polynomial]:

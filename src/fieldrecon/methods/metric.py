@@ -38,6 +38,10 @@ class MetricFrame(Frame):
         """Coordinates (..., d) in the frame."""
         return (x - self.center) @ self.factor.T / self.scale
 
+    def point(self, y: np.ndarray) -> np.ndarray:
+        """The point x (d,) with the coordinates y in the frame."""
+        return self.center + self.scale * np.linalg.solve(self.factor, y)
+
     def scaled(self, x: np.ndarray) -> np.ndarray:
         """Coordinates (..., d) in the frame."""
         return self.local(x)

@@ -24,6 +24,7 @@ from fieldrecon._core.chunks import Progress
 from fieldrecon.methods.other_coordinates import OtherCoordinates
 from fieldrecon.reconstruction import Reconstruction, as_maker, given
 
+_OFF = 1e-6  # of the length of a unit vector: the digits of a file
 _NEAREST = 1e-12  # least value of 1 + u . p: the antipode of the pole has no projection
 
 
@@ -53,7 +54,7 @@ class OnTangentPlane(OtherCoordinates):
     Raises
     ------
     ValueError
-        If the points are not in space.
+        If the points or the pole are not unit vectors of space.
 
     References
     ----------
@@ -81,9 +82,8 @@ class OnTangentPlane(OtherCoordinates):
         self.points = valid.as_points(points)
         if self.points.shape[1] != 3:
             raise ValueError(f"points must be unit vectors (n, 3); got {self.points.shape}")
-        self.pole = (
-            mean_direction(self.points) if pole is None else valid.as_queries(pole, 3, "pole")
-        )
+        _require_units(self.points, "points")
+        self.pole = mean_direction(self.points) if pole is None else _as_pole(pole)
         how = given(executor=executor, progress=progress)
         self.method = as_maker(method)(in_tangent_plane(self.points, self.pole), **how)
         self.degree = min(self.method.degree, 0)
@@ -104,6 +104,26 @@ class OnTangentPlane(OtherCoordinates):
         pairs = np.einsum("k,il->ikl", pole, basis)
         along = np.einsum("m,mi,k,l->mikl", second, x @ basis.T, pole, pole)
         return along + first[:, None, None, None] * (pairs + pairs.swapaxes(1, 2))
+
+
+def _as_pole(pole: ArrayLike) -> np.ndarray:
+    """Validate the unit vector of a pole."""
+    p = valid.as_queries(pole, 3, "pole")
+    if p.shape != (3,):
+        raise ValueError(f"pole must be one unit vector (3,); got the shape {p.shape}")
+    _require_units(p[None], "pole")
+    return p
+
+
+def _require_units(u: np.ndarray, name: str) -> None:
+    """Refuse vectors (n, 3) that are not of length one: their projections mean nothing."""
+    length = np.linalg.norm(u, axis=1)
+    worst = int(np.argmax(np.abs(length - 1)))
+    if not abs(length[worst] - 1) <= _OFF:
+        raise ValueError(
+            f"{name} must be of length one, as by to_unit; ({valid.format_point(u[worst])}) is of "
+            f"length {length[worst]:.6g}"
+        )
 
 
 def mean_direction(points: np.ndarray) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -178,11 +178,16 @@ def _triangles_of(data: Any, triangulate: bool) -> tuple[np.ndarray, np.ndarray,
         return *read_triangles(Path(data), triangulate=triangulate), Path(data).name
     for names in _FIELDS:
         if all(hasattr(data, name) for name in names):
-            points, triangles = (np.asarray(getattr(data, name)) for name in names)
-            return points, triangles, "mesh"
+            return *_arrays(names, [getattr(data, name) for name in names]), "mesh"
     if isinstance(data, tuple | list) and len(data) == 2:
-        return np.asarray(data[0]), np.asarray(data[1]), "mesh"
+        return *_arrays(_FIELDS[0], data), "mesh"
     raise TypeError(
         "data must be a path, a pair of points and triangles, or a mesh that has them; got "
         f"{type(data).__name__}"
     )
+
+
+def _arrays(names: Sequence[str], given: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Two arrays, refused by their names if an entry is masked."""
+    first, second = (np.asarray(valid.unmasked(a, n)) for n, a in zip(names, given, strict=True))
+    return first, second

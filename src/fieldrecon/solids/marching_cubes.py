@@ -26,6 +26,7 @@ from fieldrecon.solids.shapes import Box
 from fieldrecon.triangles.audit import MeshAudit, audit_mesh
 
 _CELLS = 64  # along the longest side of the box, by default
+_FEWEST_CELLS = 12  # along the longest side of the box of the points, by default
 _MAX_STEPS = 60  # each is an interpolation or a bisection
 _SETTLED = 1e-7  # of an edge: the last step, beyond which the next would be far smaller
 _SPECK = 3  # cells: smaller parts of the surface are dropped
@@ -113,8 +114,9 @@ def extract_surface(
     solid : Solid
         The body; `as_solid` makes one of a field.
     spacing : float, optional
-        Edge of the cells; by default the spacing of the points from which the body was made, else
-        a 64th of the longest side of the box.
+        Edge of the cells; by default the spacing of the points from which the body was made, but
+        no more than a 12th of the longest side of the box of these points; and without points, a
+        64th of the longest side of the box.
     near : (n, 3) array_like, optional
         Points near the surface; by default those of the body. Without them the whole box is
         searched, and parts smaller than four cells may be missed.
@@ -154,8 +156,7 @@ def extract_surface(
     if not isinstance(solid, Solid):
         raise ValueError(f"solid must be a Solid; as_solid makes one of a field; got {solid!r}")
     room = solid.box if box is None else as_box(box)
-    if spacing is None:
-        spacing = solid.spacing or float((room[1] - room[0]).max()) / _CELLS
+    spacing = _usual_spacing(solid, room) if spacing is None else spacing
     grid = Grid.over(room, valid.as_length(spacing, "spacing"))
     wall = Box(room[1] - room[0] + 2 * spacing, (room[0] + room[1]) / 2)
     closed = intersection(solid, wall)
@@ -174,6 +175,18 @@ def extract_surface(
     if within is not None:
         points, triangles, cut = _trimmed(points, triangles, cut, given, within)
     return ExtractedSurface(points, triangles, solid, spacing, cut, missed)
+
+
+def _usual_spacing(solid: Solid, room: np.ndarray) -> float:
+    """Default edge of the cells: the spacing of the points, less where they are few.
+
+    Cells as large as the spacing of a few points are as large as the body, and would lose it.
+    """
+    finest = float((room[1] - room[0]).max()) / _CELLS
+    if solid.spacing is None or solid.near is None:
+        return solid.spacing or finest
+    extent = float(np.ptp(solid.near, axis=0).max())
+    return min(solid.spacing, max(extent / _FEWEST_CELLS, finest))
 
 
 def _marching_cubes(

@@ -56,8 +56,8 @@ def ray_intersections(
         Points such that the surface is nowhere farther than 2 steps from all of them. Rays skip
         the space between them.
     slope : float, optional
-        A Lipschitz constant of the function. With it, rays advance by |F| / slope if that is more
-        than a step (sphere tracing).
+        A Lipschitz constant of the function, positive. With it, rays advance by |F| / slope if
+        that is more than a step (sphere tracing).
     tol : float
         Tolerance of the distances; the rounding error by default.
     progress : callable, optional
@@ -86,6 +86,8 @@ def ray_intersections(
     o = valid.as_points(origins, "origins", none_allowed=True)
     ahead = _unit_vector(direction, o.shape[1])
     step = valid.as_length(step, "step")
+    slope = None if slope is None else valid.as_length(slope, "slope")
+    tol = valid.as_length(tol, "tol", zero_allowed=True)
     tree = None if near is None else cKDTree(valid.as_points(near, "near"))
     lengths = _as_lengths(lengths, len(o))
     t, before = np.zeros(len(o)), np.zeros(len(o))
@@ -144,7 +146,7 @@ def _values(solid: Callable[[np.ndarray], np.ndarray], points: np.ndarray) -> np
     """Values (k,) of the function at the points, refused if one is not finite."""
     if not len(points):
         return np.zeros(0)
-    values = np.asarray(solid(points))
+    values = np.asarray(valid.unmasked(solid(points), "solid(x)"))
     if values.shape != (len(points),):
         raise ValueError(
             f"solid must have one value at each of {len(points)} points; got the shape "

@@ -94,9 +94,10 @@ def orient_normals(
     return oriented * _outward(p, oriented, areas, part)[part, None]
 
 
-def _as_neighbors(neighbors: int | ArrayLike, p: np.ndarray) -> np.ndarray:
+def _as_neighbors(neighbors: ArrayLike, p: np.ndarray) -> np.ndarray:
     """Validate indices (n, k), or find the nearest points."""
     wanted = f"neighbors must be a number, or indices of the shape ({len(p)}, k)"
+    neighbors = valid.unmasked(neighbors, "neighbors")
     try:
         index = np.asarray(neighbors)
     except ValueError:

@@ -4,6 +4,7 @@ import inspect
 from collections.abc import Callable, Iterator
 from functools import partial
 from importlib import import_module
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -164,6 +165,10 @@ CALLS: dict[str, Call] = {
         partial(fr.vertex_velocities_from_cells, MESH),
         {"u": MESH.circumcenters, "vertices": INNER},
     ),
+    "audit": (
+        lambda points, triangles: fr.pipelines.audit((points, triangles)),
+        {"points": CORNERS, "triangles": TETRAHEDRON},
+    ),
     "audit_mesh": (fr.audit_mesh, {"points": CORNERS, "triangles": TETRAHEDRON}),
     "repair_mesh": (fr.repair_mesh, {"points": CORNERS, "triangles": TETRAHEDRON}),
     "distances_to_triangles": (
@@ -229,7 +234,10 @@ CALLS: dict[str, Call] = {
         {"points": SPHERE, "normals": SPHERE},
     ),
     "off_surface_points": (fr.off_surface_points, {"points": SPHERE, "normals": SPHERE}),
-    "orient_normals": (fr.orient_normals, {"points": SPHERE, "normals": SPHERE}),
+    "orient_normals": (
+        fr.orient_normals,
+        {"points": SPHERE, "normals": SPHERE, "neighbors": np.add.outer(range(N), range(6)) % N},
+    ),
     "variational_implicit": (
         fr.surfaces.variational_implicit,
         {"points": SPHERE, "normals": SPHERE},
@@ -305,6 +313,10 @@ CALLS: dict[str, Call] = {
 """Every public function that takes arrays, with arguments that it accepts."""
 
 
+KINDS = ("ArrayLike", "int | ArrayLike", "ArrayLike | Callable[[np.ndarray], np.ndarray]")
+"""Annotations of parameters that take arrays."""
+
+
 def public_parameters() -> Iterator[tuple[str, str]]:
     """Names of public functions and methods, with those of their parameters that are array_like."""
     spaces = [getattr(fr, name) for name in NAMESPACES] + [import_module("fieldrecon._public")]
@@ -320,7 +332,7 @@ def public_parameters() -> Iterator[tuple[str, str]]:
         for key, function in functions.items():
             if inspect.isroutine(function):
                 for parameter in inspect.signature(function).parameters.values():
-                    if str(parameter.annotation) in ("ArrayLike", "ArrayLike | None"):
+                    if str(parameter.annotation).removesuffix(" | None") in KINDS:
                         yield key, parameter.name
 
 
@@ -367,6 +379,19 @@ def test_masked_arrays_in_a_list_are_refused():
     column = np.ma.array(LINE, mask=LINE == 3)
     with refused(rf"values must have no masked entries, and 2 of {2 * N} are .* values\[~mask\]"):
         SMOOTH.field([column, column])
+
+
+def test_meshes_and_functions_with_masked_entries_are_refused():
+    """By the name of the attribute; of a function, by that of its values."""
+    masked = np.ma.masked_equal(TETRAHEDRON, 3)
+    for names in (("points", "triangles"), ("vertices", "faces")):
+        mesh = SimpleNamespace(**dict(zip(names, (CORNERS, masked), strict=True)))
+        with refused(rf"^{names[1]} must have no masked entries, and 3 of 12 are"):
+            fr.pipelines.audit(mesh)
+    with refused(r"^solid\(x\) must have no masked entries, and 1 of 1 are"):
+        fr.solids.ray_intersections(
+            lambda x: np.ma.masked_less(BALL(x), -1.0), [[0, 0, 3.0]], [0, 0, -1], 6.0, 0.1
+        )
 
 
 def test_writers_refuse_masked_entries(tmp_path):

@@ -63,7 +63,9 @@ COUPLINGS: dict[str, Callable[[], Transfer]] = {
     for name, make in METHODS.items()
     for d in (2, 3)
 } | {
-    f"{name}, flat in {d}-D": lambda make=make, d=d: FlatCoupling(flat(d), skin_points(d), make)
+    f"{name}, flat in {d}-D": lambda make=make, d=d: quietly(
+        FlatCoupling, flat(d), skin_points(d), make
+    )
     for name, make in {
         "cubics": cubics,
         "a fit of degree 0": partial(LeastSquares, degree=0),
@@ -290,8 +292,9 @@ def test_weights_that_amplify_are_announced():
     normal = np.linalg.svd(almost - almost.mean(axis=0))[2][-1]
     with pytest.warns(RuntimeWarning, match=r"node \d+ of the surface sum to .*flatness=\de-05"):
         couple(almost, flat(3) + 0.05 * normal, cubics)
-    with pytest.warns(RuntimeWarning, match=r"structural nodes nearer to it$"):
-        couple(flat(2), flat(2)[:3] * 1e3, cubics)
+    for far in (flat(2), nodes(2)):
+        with pytest.warns(RuntimeWarning, match=r"structural nodes nearer to it$"):
+            couple(far, far[:3] * 1e3, cubics)
     couple(nodes(3), skin_points(3), cubics)
     for t in (couple(nodes(3), skin_points(3), cubics), couple(flat(3), skin_points(3), cubics)):
         sums = np.abs(t.method.weights(t.projections)).sum(axis=1)
@@ -301,6 +304,33 @@ def test_weights_that_amplify_are_announced():
     sums = np.abs(cubics(nodes(3)).weights(skin_points(3))).sum(axis=1)
     assert (t.row_norms() <= sums * (1 + 1e-9)).all()
     assert (t.row_norms() >= sums / 10).all()
+
+
+def test_every_coupling_announces_them_once_at_the_line_of_the_caller():
+    """Also one made without `couple`, of nodes in space or in a plane."""
+    almost, far = np.round(flat(3), 4), flat(3) * 1e3
+    for make, warned in (
+        (lambda: Coupling(cubics(almost), far), True),
+        (lambda: FlatCoupling(flat(3), far, cubics), True),
+        (lambda: couple(almost, far, cubics), True),
+        (lambda: couple(flat(3), far, cubics), True),
+        (lambda: Coupling(cubics(nodes(3)), skin_points(3)), False),
+    ):
+        with warnings.catch_warnings(record=True) as seen:
+            warnings.simplefilter("always")
+            make()
+        assert [w.filename for w in seen] == [__file__] * warned
+
+
+def test_a_method_that_refuses_random_signs_is_coupled_all_the_same():
+    """Its weights are not kept, and smooth displacements may be all that it is given."""
+    refusal = np.linalg.LinAlgError("too flat for data this rough")
+    method = cubics(nodes(3))
+    with (
+        mock.patch.object(reconstruction, "DENSE_LIMIT_BYTES", 1000),
+        mock.patch.object(type(method), "field", side_effect=refusal),
+    ):
+        assert Coupling(method, skin_points(3))._weights is None
 
 
 def test_a_method_in_space_refuses_flat_nodes_or_loses_moments():

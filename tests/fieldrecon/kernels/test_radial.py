@@ -318,6 +318,13 @@ def test_values_are_finite_and_continuous_for_tiny_distances(kernel):
     assert_close(kernel(r) - kernel(1e-20), np.zeros(5), 1e-5)
 
 
+@pytest.mark.parametrize("kernel", [*CONTINUOUS.values()], ids=[*CONTINUOUS])
+def test_a_distance_that_is_no_number_has_no_value(kernel):
+    """It is not taken for zero or for infinity."""
+    for function in (kernel, kernel.slope, kernel.of_squared, kernel.slope_of_squared):
+        assert np.isnan(function(np.array([np.nan, 0.5]))).tolist() == [True, False]
+
+
 @pytest.mark.parametrize(
     "make",
     [

@@ -1,6 +1,7 @@
 """Partition-of-unity RBF: smoothness, accuracy, unusual point sets, memory and refusals."""
 
 import multiprocessing
+import re
 import tracemalloc
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
@@ -202,10 +203,16 @@ def test_data_too_large_are_refused():
 
 
 def test_a_kernel_too_flat_for_rough_data_is_refused():
-    """The message has the location of the patch."""
-    m = PartitionOfUnityRBF(X, gaussian(50.0), -1, 30)
-    with pytest.raises(np.linalg.LinAlgError, match=r"patch about \(.*\) would miss its data"):
-        m.field(np.cos(1e4 * np.arange(len(X))))
+    """The message has the location of the patch, in the coordinates of the sites."""
+    low, high = np.array([500.0, 20.0]), np.array([501.0, 22.0])
+    sites = low + (high - low) * X
+    for metric in (None, [1.0, 3.0], [[2.0, 1.0], [1.0, 1.0]]):
+        m = PartitionOfUnityRBF(sites, gaussian(50.0), -1, 30, metric=metric)
+        with pytest.raises(np.linalg.LinAlgError, match="would miss its data") as refusal:
+            m.field(np.cos(1e4 * np.arange(len(X))))
+        place = re.search(r"patch about \((.*), (.*)\) would", str(refusal.value))
+        where = np.array([float(c) for c in place.groups()])
+        assert ((low < where) & (where < high)).all()
 
 
 def test_smoothing_reduces_noise():

@@ -121,3 +121,15 @@ def test_polynomials_of_the_plane_are_determined():
     assert maker(units).method.degree == 2
     with pytest.raises(ValueError, match=r"points must be unit vectors \(n, 3\); got \(60, 2\)"):
         OnTangentPlane(units[:, :2], fr.LeastSquares)
+
+
+def test_points_and_poles_of_another_length_are_refused():
+    """Their projections would mean nothing; six decimals of a file are enough."""
+    units = to_unit(SITES)
+    assert OnTangentPlane(units.round(6), fr.LeastSquares, pole=units[0].round(6)).degree == 0
+    with pytest.raises(ValueError, match=r"points must be of length one, .* is of length 3$"):
+        OnTangentPlane(np.vstack([units, 3 * units[:1]]), fr.LeastSquares)
+    with pytest.raises(ValueError, match=r"pole must be .* \(1, 2, 3\) is of length 3.74166$"):
+        OnTangentPlane(units, fr.LeastSquares, pole=[1, 2, 3])
+    with pytest.raises(ValueError, match=r"pole must be one unit vector \(3,\); got .* \(1, 3\)"):
+        OnTangentPlane(units, fr.LeastSquares, pole=units[:1])

@@ -100,6 +100,15 @@ def test_rays_of_any_direction_and_functions_without_values():
         fr.solids.ray_intersections(lambda x: -x[:, :1] - 1, origins, [0, 0, -1], 6.0, 0.1)
 
 
+@pytest.mark.parametrize("slope", [0, -1.0, np.nan, np.inf])
+def test_a_slope_that_is_no_lipschitz_constant_is_refused(slope):
+    """Steps |F| / slope of it would be infinite, and the ball would be missed."""
+    with pytest.raises(ValueError, match="slope must be a positive number; got"):
+        fr.solids.ray_intersections(Ball(1.0), [[0, 0, 3.0]], [0, 0, -1], 6.0, 0.1, slope=slope)
+    with pytest.raises(ValueError, match="tol must be zero or a positive number; got nan"):
+        fr.solids.ray_intersections(Ball(1.0), [[0, 0, 3.0]], [0, 0, -1], 6.0, 0.1, tol=np.nan)
+
+
 def test_the_picture_of_a_ball_has_its_area_and_its_highlight():
     """The ball is a disc of its radius.
 

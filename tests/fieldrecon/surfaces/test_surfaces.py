@@ -215,6 +215,7 @@ def test_few_exact_points_of_a_sphere_give_the_sphere():
         assert extract_surface(body, 0.15 * unit).volume == pytest.approx(
             4 / 3 * np.pi * unit**3, rel=0.06
         )
+        assert extract_surface(body).volume == pytest.approx(4 / 3 * np.pi * unit**3, rel=0.06)
         bounded = any("too few to tell noise from curvature" in w for w in body.warnings)
         assert bounded == (n < 48)
     rough = roughened(*cloud(Ball(1.0), 300), 0.1 * spacing_of(cloud(Ball(1.0), 300)[0]), seed=8)

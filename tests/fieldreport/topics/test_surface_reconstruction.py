@@ -1,5 +1,7 @@
 """Claims of the chapter on surfaces, compared with known values."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -25,6 +27,12 @@ def test_the_ellipsoid_has_exact_points_and_normals():
     half = np.array([1.0, 0.8, 0.6])
     assert ((points / half) ** 2).sum(axis=1) == pytest.approx(np.ones(50))
     assert np.cross(points / half**2, normals) == pytest.approx(np.zeros((50, 3)), abs=1e-12)
+
+
+def test_a_difference_without_isolines_is_refused_by_its_name():
+    """The terrain of a few nodes may lie between two isolines."""
+    with pytest.raises(ValueError, match=r"parameter isolines must be .* of 16 nodes .* got 1000"):
+        experiment.isolines(replace(experiment.QUICK, isolines=1000))
 
 
 @pytest.mark.slow

@@ -178,6 +178,7 @@ class PartitionOfUnityRBF(Reconstruction):
             degree,
             unit_smoothing(self.smoothing, len(self.points), self.kernel, self._frame.scale),
             EPS * float(np.abs(scaled).max()),
+            self._frame,
         )
         local = self._frame.local(self.points)
         size = min(self.patch_size, len(local))

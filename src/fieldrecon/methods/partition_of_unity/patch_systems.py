@@ -32,7 +32,13 @@ from fieldrecon.methods.partition_of_unity.batched_systems import (
 )
 from fieldrecon.methods.partition_of_unity.polynomial_rank import whole_degrees
 from fieldrecon.methods.solvability import TOLERATED_MISS, too_flat
-from fieldrecon.polynomials import dimension, monomial_gradients, monomial_hessians, monomials
+from fieldrecon.polynomials import (
+    Frame,
+    dimension,
+    monomial_gradients,
+    monomial_hessians,
+    monomials,
+)
 
 MOST_LEVERAGE = 1 - 1e-4
 """Leverage of a site up to which the other sites of its patch determine the polynomial."""
@@ -52,12 +58,15 @@ class Problem:
         Added to the diagonal: that of each site.
     rounding : float
         Rounding of the coordinates of the sites.
+    frame : Frame
+        The frame of the sites, in which errors do not name points.
     """
 
     kernel: Radial
     degree: int
     smoothing: np.ndarray
     rounding: float
+    frame: Frame
 
 
 @dataclass(frozen=True)
@@ -313,7 +322,8 @@ class PatchSystems:
             return
         error = (self._largest_shares(patch[wrong]) * relative[wrong].max(axis=2)).max(axis=1)
         if error.max() > TOLERATED_MISS:
-            where = format_point(self.origin[patch[wrong[np.argmax(error)]]])
+            origin = self.origin[patch[wrong[np.argmax(error)]]]
+            where = format_point(self.problem.frame.point(origin))
             raise too_flat(f"the field of the patch about ({where})", error.max())
 
     def _largest_shares(self, patch: np.ndarray) -> np.ndarray:

@@ -52,7 +52,7 @@ class Params(Parameters):
         require(
             self.powers[-1] > 1,
             "powers",
-            "a list with 2 or more: both methods reproduce n = 1",
+            "a list that holds an n of 2 or more: both methods reproduce n = 1",
             self.powers,
         )
 

@@ -46,7 +46,7 @@ from fieldreport.experiments.surfaces.solid_operations import (
 from fieldreport.experiments.surfaces.solid_operations import plot_bodies as plot_bodies
 from fieldreport.framework.error_measures import order
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
-from fieldreport.framework.parameters import Parameters, parameter
+from fieldreport.framework.parameters import Parameters, parameter, require
 
 EYES = np.array([[4.0, -4.0, 1.5], [-4.0, -3.0, 1.5], [0.0, 4.0, -2.0]])
 """Positions of the scanner: two above and one below, all to the side of the body."""
@@ -108,6 +108,7 @@ class Rebuilt:
 
 def run(params: Params, each: Map = map) -> Result:
     """Reconstruct all solids, and compare them with the exact ones."""
+    land = isolines(params)  # first, since it may refuse
     scans = damaged(params.scanned, params.noise, params.seed)
     scans["part"] = SyntheticScan(
         sample_surface(machine_part(), params.points, params.seed)[0], machine_part()
@@ -121,7 +122,6 @@ def run(params: Params, each: Map = map) -> Result:
     between = deformed(ball, ring)
     frames = dict(zip(between, each(partial(framed, params.frame), between.values()), strict=True))
     rows = tuple((name, *scan.row) for name, scan in rebuilt.items())
-    land = isolines(params)
     return Result(
         params=params,
         tables={
@@ -157,12 +157,12 @@ def reconstructed(scan: SyntheticScan) -> Rebuilt:
     """Reconstruct a solid from a scan, and its triangles where there are points."""
     body = implicit_surface(scan.points)
     surface = extract_surface(body)
-    off = np.abs(scan.body(surface.points)) / surface.spacing
-    known = ~np.isin(np.arange(len(off)), _invented(surface))
+    off = np.abs(scan.body(surface.points)) / body.spacing
+    known = ~np.isin(np.arange(len(off)), _invented(surface, body.spacing))
     row = (
         len(scan.points),
         len(body.left_out),
-        round(body.noise / surface.spacing, 4),
+        round(body.noise / body.spacing, 4),
         float(np.sqrt(np.mean(off[known] ** 2))),
         float(off[known].max()),
         surface.audit.parts,
@@ -195,6 +195,8 @@ def isolines(params: Params) -> dict[str, np.ndarray]:
     height = whole.height[row : row + side, column : column + side]
     window = type(whole)(x, y, height)
     sites, levels = window.isolines(params.isolines, apart=150.0)
+    wanted = f"a difference that leaves isolines on the terrain of {side} nodes a side"
+    require(len(sites) > 0, "isolines", wanted, params.isolines)
     s = PartitionOfUnityRBF(sites, thin_plate_spline(), degree=1).field(levels)
     return {
         "land:sites": np.column_stack([sites, levels]),
@@ -209,10 +211,10 @@ def _far(scan: SyntheticScan) -> SyntheticScan:
     return SyntheticScan(scan.points + shift, transform(scan.body, shift=shift))
 
 
-def _invented(surface: ExtractedSurface) -> np.ndarray:
+def _invented(surface: ExtractedSurface, spacing: float) -> np.ndarray:
     """Select vertices that are far from all points."""
     near = surface.solid.near
-    found = cKDTree(near).query(surface.points, distance_upper_bound=INVENTED * surface.spacing)
+    found = cKDTree(near).query(surface.points, distance_upper_bound=INVENTED * spacing)
     return np.flatnonzero(np.isinf(found[0]))
 
 

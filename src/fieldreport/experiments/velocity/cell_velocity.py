@@ -94,7 +94,8 @@ class Params(Parameters):
         a, b, c = self.corners
         (u, v), (x, y) = b - a, c - a
         flat = abs(u * y - v * x) <= FLAT * np.ptp(self.corners) ** 2
-        require(not flat, "triangle", "three corners that are not on one line", self.triangle)
+        wanted = f"three corners that are not on one line, to {FLAT:g} of their extent"
+        require(not flat, "triangle", wanted, self.triangle)
 
     @property
     def corners(self) -> np.ndarray:
