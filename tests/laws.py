@@ -547,22 +547,27 @@ def arrangements_are_solved_or_refused(case: Case) -> None:
 
     The message of a refusal must be in the words of the subject. Patches must not refuse.
     """
+    refuses, meets = not isinstance(case, PatchesCase), case.method.interpolates
     for name, sites in case.arranged():
         try:
-            assert_promises_kept(case.make, sites, refuses=not isinstance(case, PatchesCase))
+            assert_promises_kept(case.make, sites, refuses, meets)
         except AssertionError as error:
             error.add_note(f"The sites are: {name}.")
             raise
 
 
 def assert_promises_kept(
-    make: Callable[[np.ndarray, float], Reconstruction], sites: np.ndarray, refuses: bool
+    make: Callable[[np.ndarray, float], Reconstruction],
+    sites: np.ndarray,
+    refuses: bool,
+    meets: bool,
 ) -> None:
     """Laws with tolerances relative to the weights, by which rounding is multiplied.
 
     Polynomials must be reproduced, data interpolated, both routes and the adjoint agree, inside and
     outside the hull, and the order of the sites must not matter. Weights so large that rounding
-    leaves no digit must be refused.
+    leaves no digit must be refused, and those of a method that `meets` its data on other sites be
+    the identity at these. (Whether a polynomial meets them depends on the number of sites.)
     """
     rng, (n, d) = np.random.default_rng(8), sites.shape
     low, extent = sites.min(axis=0), max(np.ptp(sites, axis=0).max(), 1e-9)
@@ -576,6 +581,8 @@ def assert_promises_kept(
     try:
         m = make(sites, 1.0)
         h, other = dense(m.weights(x)), dense(make(sites[order], 1.0).weights(x))
+        if refuses and (m.interpolates if isinstance(m, LeastSquares) else meets):
+            assert_close(dense(m.weights(sites)), np.eye(n), TOLERATED_MISS)
         p, exact = (all_monomials((y - low) / extent, m.degree) for y in (sites, x))
         s = m.field(np.column_stack([p, f]))
         values, again = s(x), s(sites) if m.interpolates else None

@@ -25,12 +25,14 @@ from fieldrecon.methods.functionals import (
 )
 from fieldrecon.methods.least_squares import ACCURATE
 from fieldrecon.methods.solvability import (
+    INTERPOLATED,
     as_augmentation,
     as_finite,
     as_kernel,
-    meets_rough_data,
+    miss_of_rough_data,
     refuse_a_miss,
     refuse_beyond_memory,
+    refuse_lost_weights,
     within_range,
 )
 from fieldrecon.polynomials import Frame, dimension, monomial_hessians, require_unisolvent
@@ -73,7 +75,8 @@ class HermiteRBF(Reconstruction):
     ValueError
         If the kernel is not smooth enough, or functionals at one point depend on each other.
     numpy.linalg.LinAlgError
-        If the data do not determine the polynomial, or the kernel is too flat for them.
+        If the data do not determine the polynomial, or the kernel is too flat for them. Weights
+        are refused if the field of independent random signs would miss them.
 
     References
     ----------
@@ -120,7 +123,8 @@ class HermiteRBF(Reconstruction):
             a[part] = rows
         self._largest = abs(within_range(a, f"derivatives of {kernel!r}")).max()
         self._system = valid.quiet_evaluate(SaddlePoint, a, p)
-        self.interpolates = meets_rough_data(self._system, np.array(self._largest))
+        self._rough_miss = miss_of_rough_data(self._system, np.array(self._largest))
+        self.interpolates = self._rough_miss <= INTERPOLATED
         report_all(progress, len(p))
 
     def field(self, values: ArrayLike) -> HermiteField:
@@ -225,6 +229,7 @@ class HermiteRBF(Reconstruction):
         return valid.quiet_evaluate(local.of_kernel, self._local, self._unit_kernel)
 
     def _weights_of(self, asked: Functionals) -> np.ndarray:
+        refuse_lost_weights(self._rough_miss)
         local, size = asked.in_frame(self._frame)
         right = self._of_kernel(local).T
         weights = self._system.solve(right, local.of_monomials(self.degree).T)[0].T
@@ -283,6 +288,7 @@ class HermiteRBF(Reconstruction):
         return len(self.points) + dimension(self.points.shape[1], self.degree)
 
     def _of_moments(self, moments: np.ndarray) -> np.ndarray:
+        refuse_lost_weights(self._rough_miss)
         solution, _ = self._system.solve(*np.split(moments, [len(self.points)]))
         return solution / self._size[:, None]
 

@@ -20,13 +20,15 @@ from fieldrecon.methods.kernel_matrices import Block, dense, pairs_of
 from fieldrecon.methods.least_squares import LeastSquares, monomial_matrix
 from fieldrecon.methods.metric import as_metric, frame_of
 from fieldrecon.methods.solvability import (
+    INTERPOLATED,
     as_augmentation,
     as_finite,
     as_kernel,
     as_smoothing,
-    meets_rough_data,
+    miss_of_rough_data,
     refuse_a_miss,
     refuse_duplicates,
+    refuse_lost_weights,
     refuse_no_hessian,
     refuse_sites,
     unit_smoothing,
@@ -85,7 +87,8 @@ class RBF(Reconstruction):
     numpy.linalg.LinAlgError
         If the points do not determine the polynomial, the kernel is too flat for them, or the
         metric is not positive definite; later, if the kernel is too flat for the data, so that
-        rounding would make the field miss them.
+        rounding would make the field miss them. Weights, gradient weights and the adjoint do not
+        know the data, and are refused if the field of independent random signs would miss them.
     MemoryError
         If the system would not fit into this machine's memory.
 
@@ -142,8 +145,8 @@ class RBF(Reconstruction):
         each = unit_smoothing(self.smoothing, len(sites), kernel, self._frame.scale)
         entries = next(split_progress(progress, len(sites), 2))
         self._system = self._pairs.system(p, each, executor, entries)
-        exact = not np.any(self.smoothing)
-        self.interpolates = exact and meets_rough_data(self._system, self._phi())
+        self._rough_miss = miss_of_rough_data(self._system, self._phi())
+        self.interpolates = not np.any(self.smoothing) and self._rough_miss <= INTERPOLATED
         report_all(progress, len(sites))
 
     @valid.finite("the entries of H_RBF")
@@ -304,6 +307,7 @@ class RBF(Reconstruction):
 
     def _solved_rows(self, right: np.ndarray, of_basis: np.ndarray) -> np.ndarray:
         """Weights (m, n), contiguous for each query, from kernels (n, m) and basis (m, q)."""
+        refuse_lost_weights(self._rough_miss)
         return np.ascontiguousarray(self._system.solve(right, of_basis.T)[0].T)
 
     def _weight_chunk_rows(self) -> int:
@@ -321,6 +325,7 @@ class RBF(Reconstruction):
         return len(self.points) + dimension(self.points.shape[1], self.degree)
 
     def _of_moments(self, moments: np.ndarray) -> np.ndarray:
+        refuse_lost_weights(self._rough_miss)
         return self._system.solve(*np.split(moments, [len(self.points)]))[0]
 
     def _chunk_rows(self, columns: int) -> int:

@@ -148,13 +148,23 @@ def rounding_miss(lam: np.ndarray, phi: np.ndarray, values: np.ndarray) -> np.nd
     return 8 * EPS * np.abs(phi).max() * np.linalg.norm(relative, axis=0)
 
 
-def meets_rough_data(system: SaddlePoint, phi: np.ndarray) -> bool:
-    """Whether the fields of a factored system meet data of independent random signs.
+def miss_of_rough_data(system: SaddlePoint, phi: np.ndarray) -> float:
+    """Error of the field of independent random signs at its data, of a factored system.
 
-    Their coefficients are nearly as large as those of any data can be.
+    Its coefficients are nearly as large as those of any data can be.
     """
     signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(len(system), 1))
-    return bool(rounding_miss(system.solve(signs)[0], phi, signs)[0] <= INTERPOLATED)
+    return float(rounding_miss(system.solve(signs)[0], phi, signs)[0])
+
+
+def refuse_lost_weights(miss: float) -> None:
+    """Refuse weights where the field of random signs misses its data.
+
+    Weights are the fields of data that are 1 at one site and 0 at the others, as rough as signs.
+    Their equations are met to rounding even then, so that a residual would not tell.
+    """
+    if not miss <= TOLERATED_MISS:
+        raise too_flat("rounding decides the weights: a field of independent data", miss)
 
 
 def too_flat(who: str, miss: float) -> np.linalg.LinAlgError:

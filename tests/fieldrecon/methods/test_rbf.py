@@ -15,6 +15,8 @@ from fieldrecon.kernels.conditionally_positive_definite import (
 )
 from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, wendland
 from fieldrecon.kernels.weights import inverse_square
+from fieldrecon.methods.functionals import values_at
+from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.rbf import RBF
@@ -503,6 +505,50 @@ def test_interpolation_is_lost_to_rounding_and_so_declared():
             m.field(f)
         assert not m.interpolates
         assert_close(m.field(smooth)(p), smooth, 1e-5)
+
+
+def three_clusters(width: float) -> np.ndarray:
+    rng = np.random.default_rng(0)
+    return np.concatenate([rng.random((30, 2)) * width + c for c in ([0, 0], [1, 0], [0, 1])])
+
+
+@pytest.mark.parametrize(
+    ("kernel", "width"),
+    [(polyharmonic(1), 1e-9), (thin_plate_spline(), 1e-4), (polyharmonic(3), 1e-2)],
+)
+def test_weights_on_narrow_clusters_are_the_identity(kernel, width):
+    """The adjoint does not depend on the order of the sites either."""
+    p, load = three_clusters(width), np.cos(np.arange(20))
+    m, order = RBF(p, kernel), np.random.default_rng(3).permutation(len(p))
+    assert_close(m.weights(p), np.eye(len(p)), 1e-3)
+    forces = m.adjoint(QUERIES, load)
+    permuted = RBF(p[order], kernel).adjoint(QUERIES, load)
+    assert_close(permuted, forces[order], 1e-2 * np.abs(forces).max())
+
+
+@pytest.mark.parametrize(
+    ("kernel", "width"), [(thin_plate_spline(), 1e-6), (polyharmonic(3), 1e-6)]
+)
+def test_weights_that_rounding_decides_are_refused(kernel, width):
+    """Solved weights of r³ deviate from the identity by 60, as the field of random signs does.
+
+    A field of smooth data is still computed, and so are weights with smoothing.
+    """
+    p, x = three_clusters(width), QUERIES
+    m = RBF(p, kernel)
+    for question in (
+        lambda: m.weights(p),
+        lambda: m.gradient_weights(x),
+        lambda: m.adjoint(x, np.cos(np.arange(20))),
+        lambda: HermiteRBF(values_at(p), kernel).weights(p),
+        lambda: HermiteRBF(values_at(p), kernel).adjoint(x, np.cos(np.arange(20))),
+        lambda: m.field(np.random.default_rng(4).choice([-1.0, 1.0], len(p))),
+    ):
+        with refused("would miss its data by about .* too flat", np.linalg.LinAlgError):
+            question()
+    assert_close(m.field(p @ [1.0, 2.0])(x), x @ [1.0, 2.0], 1e-5)
+    smoothed = RBF(p, kernel, smoothing=1e-6)
+    assert_close(smoothed.weights(x) @ p, x, 1e-5)
 
 
 def test_a_fit_that_exceeds_memory_is_refused():
