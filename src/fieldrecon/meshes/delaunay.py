@@ -8,7 +8,6 @@ perturbing the heights of the points on the paraboloid; no cell below the lifted
 from __future__ import annotations
 
 import math
-from typing import NoReturn
 
 import numpy as np
 from scipy import sparse
@@ -27,11 +26,18 @@ _VIOLATION = 1e-3
 _CRACK = 1e-7
 """Relative excess of the boundary over the hull that rounding explains."""
 
+_LOST = 1e-9
+"""Part of the volume that may be left out with flat cells at the hull."""
 
-def delaunay_cells(points: np.ndarray) -> np.ndarray:
+_TINY = (1e-16, 1e-14, 1e-12)
+"""Parts of the volume of cells that are taken for flat if there is no mesh otherwise."""
+
+
+def delaunay_cells(points: np.ndarray, by_exact_signs: bool = False) -> np.ndarray:
     """Vertices (c, d + 1) of the Delaunay cells of points (n, d), d = 2 or 3.
 
-    Cells at the hull that are flat within the rounding of the coordinates are left out.
+    Cells at the hull that are flat within the rounding of the coordinates are left out. Exact signs
+    decide where Qhull's rounding loses a point, or everywhere if this is asked for.
 
     Raises
     ------
@@ -45,6 +51,8 @@ def delaunay_cells(points: np.ndarray) -> np.ndarray:
     _refuse_too_few(points)
     refuse_coincident(points, "points must be distinct; these coincide: {pairs}")
     local = _in_local_frame(points)
+    if by_exact_signs:
+        return _cells_by_exact_signs(points)
     try:
         cells = _cells_without_flat_ones(points, local)
     except (QhullError, np.linalg.LinAlgError):  # its first simplex was flat, or there are cracks
@@ -55,26 +63,20 @@ def delaunay_cells(points: np.ndarray) -> np.ndarray:
 
 
 def _cells_by_exact_signs(points: np.ndarray) -> np.ndarray:
-    """Cells of points for which Qhull's rounding is too large; flat ones at the hull are left out.
-
-    First those are left out that are flat within the rounding of the coordinates, as above; if a
-    point would be lost, only those whose sign the computation of a volume does not find.
-    """
+    """Cells by integer arithmetic, for which Qhull's rounding is too large."""
     ties = _TIE * KDTree(points).query(points, k=2)[0][:, 1] ** 2
     above = ties * np.random.default_rng(0).random(len(points))
     for heights in (None, above):
         cells, neighbors = exact_delaunay_cells(points, heights)
-        if len(cells) == 0:
-            break
-        uncertain = simplices.signed_volumes(points.take(cells, axis=0))[2]
-        for flat in (_flat_within_rounding(points, cells), uncertain):
-            outer = _outer(neighbors, flat)
-            if outer.all():
-                _refuse_flat(points)
-            if not (uncertain & ~outer).any() and len(np.unique(cells[~outer])) == len(points):
-                return cells[~outer]
-    if len(cells) == 0:
-        _refuse_flat(points)
+        if len(cells) == 0 or _outer(neighbors, _flat_within_rounding(points, cells)).all():
+            raise np.linalg.LinAlgError(
+                f"no mesh: the points lie on one {_flat_shape(points)} within rounding"
+            )
+        outer = _left_out(points, cells, neighbors)
+        if outer is not None:
+            return cells[~outer]
+    uncertain = simplices.signed_volumes(points.take(cells, axis=0))[2]
+    outer = _outer(neighbors, uncertain)
     i = int(np.argmax(uncertain & ~outer)) if (uncertain & ~outer).any() else int(np.argmax(outer))
     raise np.linalg.LinAlgError(
         f"no mesh: the points {cells[i].tolist()} lie so nearly on one "
@@ -87,10 +89,34 @@ def _flat_shape(points: np.ndarray) -> str:
     return "line" if points.shape[1] == 2 else "plane"
 
 
-def _refuse_flat(points: np.ndarray) -> NoReturn:
-    raise np.linalg.LinAlgError(
-        f"no mesh: the points lie on one {_flat_shape(points)} within rounding"
-    )
+def _left_out(points: np.ndarray, cells: np.ndarray, neighbors: np.ndarray) -> np.ndarray | None:
+    """Flat cells at the hull without which the mesh is whole, and the sign of each cell certain.
+
+    They are flat within the rounding of the coordinates. If a point or a part of the volume is lost
+    with them, they are only those whose sign the computation of a volume does not find. But such a
+    cell can lie behind one that is less flat; then tiny cells are left out as well.
+    """
+    corners = points.take(cells, axis=0)
+    uncertain = simplices.signed_volumes(corners)[2]
+    parts = _parts_of_the_volume(corners)
+    for flat in (
+        _flat_within_rounding(points, cells),
+        uncertain,
+        *(uncertain | (parts <= t) for t in _TINY),
+    ):
+        outer = _outer(neighbors, flat)
+        kept = cells[~outer]
+        whole = len(np.unique(kept)) == len(points) and parts[outer].sum() <= _LOST
+        if whole and not (uncertain & ~outer).any():
+            return outer
+    return None
+
+
+def _parts_of_the_volume(corners: np.ndarray) -> np.ndarray:
+    """Volume (c,) of each cell (c, d + 1, d), divided by their sum."""
+    edges = corners[:, 1:] - corners[:, :1]
+    volumes = simplices.volumes(edges / np.abs(edges).max())
+    return volumes / volumes.sum()
 
 
 def _in_local_frame(points: np.ndarray) -> np.ndarray:
@@ -116,11 +142,11 @@ def _cells_without_flat_ones(points: np.ndarray, local: np.ndarray) -> np.ndarra
         return cells[:0]
     if not flat.any():
         return cells
-    outer = _outer(neighbors, flat)
+    outer = _left_out(points, cells, neighbors)
+    if outer is None:
+        return cells[:0]
     _refuse_cracks(local, cells, ~outer & ((neighbors < 0) | outer[neighbors]).T)
-    cells = cells[~outer]
-    uncertain = simplices.signed_volumes(points.take(cells, axis=0))[2].any()
-    return cells[:0] if uncertain else cells
+    return cells[~outer]
 
 
 def _violations(

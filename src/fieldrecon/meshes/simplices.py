@@ -96,11 +96,24 @@ def signed_volumes(
     """
     local, unit = _local(corners)
     edges, _ = spanning_edges(local)
-    size = lengths(edges)
-    tolerance = _FLAT + 8 * rounding / unit / np.maximum(size.min(axis=1), np.finfo(float).tiny)
     volume = determinants(edges)
-    flat = np.abs(volume) <= tolerance * np.prod(size, axis=1)
+    flat = np.abs(volume) <= _FLAT * np.prod(lengths(edges), axis=1)
+    if rounding:
+        step = np.minimum(8 * rounding / unit, 1e3)  # inverts any simplex; its cube is a number
+        flat |= np.abs(volume) <= _change(edges, step)
     return volume / math.factorial(edges.shape[1]), unit, flat
+
+
+def _change(edges: np.ndarray, step: np.ndarray) -> np.ndarray:
+    """Bound (m,) on the change of each determinant if the edges (m, d, d) change by a step (m,).
+
+    It is the sum of products of d vectors, each an edge or a step, that contain a step. A product
+    of two edges is the area that they span: of long edges nearly on one line it is small.
+    """
+    change = step * lengths(_cofactors(edges)).sum(axis=1)
+    if edges.shape[2] == 3:
+        change += step**2 * lengths(edges).sum(axis=1)
+    return change + step ** edges.shape[2]
 
 
 def _local(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

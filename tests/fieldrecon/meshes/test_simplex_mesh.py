@@ -19,8 +19,9 @@ from fieldrecon.meshes import delaunay
 from fieldrecon.meshes import topology as _topology
 from fieldrecon.meshes.delaunay import _outer, _violations
 from fieldrecon.meshes.duals import barycentric_dual, circumcentric_dual
-from fieldrecon.meshes.exact_delaunay import _is_independent
+from fieldrecon.meshes.exact_delaunay import _is_independent, exact_delaunay_cells
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from fieldrecon.meshes.simplices import signed_volumes
 from rational import determinant, dot, minus, rational
 
 EPS = np.finfo(float).eps
@@ -815,6 +816,69 @@ def test_delaunay_keeps_close_points(monkeypatch):
     )
     with pytest.raises((AssertionError, np.linalg.LinAlgError)):
         every_point_is_a_vertex_of_an_exact_delaunay_mesh(cloud)
+
+
+def exact_volume(points: np.ndarray, cells: np.ndarray) -> Fraction:
+    exact = rational(points)
+    arms = ([minus(exact[v], exact[cell[0]]) for v in cell[1:]] for cell in cells)
+    return sum(abs(determinant(rows)) for rows in arms) / math.factorial(points.shape[1])
+
+
+@pytest.mark.parametrize("width", [1e-7, 1e-11])
+def test_cells_fill_a_needle(width):
+    """Three clusters on one line: cells between them are thin, but rounding does not invert them.
+
+    A step of the shortest edge changes the volume by the area of the long ones, which is small.
+    """
+    rng = np.random.default_rng(0)
+    cloud = rng.random((30, 3)) * width + rng.integers(0, 3, (30, 1))
+    mesh = SimplexMesh.delaunay(cloud)
+    whole = exact_volume(cloud, exact_delaunay_cells(cloud)[0])
+    assert float(exact_volume(cloud, mesh.cells) / whole) == pytest.approx(1, rel=1e-9)
+
+
+@pytest.mark.parametrize("long", [1.0, 1e-8])
+def test_a_cell_is_flat_if_a_step_of_its_corners_inverts_it(long):
+    """A corner at the height h over the others, which a step of h / 2 of each corner can invert."""
+    h = 1e-6 * long
+    cell = np.array([[0, 0, 0], [long, 0, 0], [long, 2 * h, 0], [2 * long, h, h]])
+    for rounding, flat in ((0.0, False), (h / 1e3, False), (h / 2, True), (h, True)):
+        assert signed_volumes(cell[None], rounding)[2][0] == flat
+        assert signed_volumes(cell[None, :3, :2], rounding)[2][0] == flat
+
+
+def clouds_that_qhull_folds():
+    """Points on a thin ring, a perturbed lattice, and pairs of points."""
+    rng = np.random.default_rng(54)
+    width, angle = 10.0 ** -rng.integers(3, 15), rng.random(30) * 2 * np.pi
+    ring = np.column_stack([np.cos(angle), np.sin(angle), rng.random(30) * width])
+    yield np.concatenate([ring, rng.random((3, 3))])
+    rng = np.random.default_rng(40)
+    width = 10.0 ** -rng.integers(3, 15)
+    yield np.round(rng.random((30, 3)) * 4) / 4 + width * rng.integers(-1, 2, (30, 3))
+    rng = np.random.default_rng(18)
+    width, x = 10.0 ** -rng.integers(3, 15), rng.random((25, 3))
+    yield np.concatenate([x, x[:8] * (1 + width)])
+
+
+@pytest.mark.parametrize("cloud", [*clouds_that_qhull_folds()], ids=["ring", "lattice", "pairs"])
+def test_exact_signs_decide_where_cells_overlap(cloud):
+    """Two cells of Qhull lay on one side of their face, so these points were refused."""
+    cloud = np.unique(cloud, axis=0)
+    mesh = SimplexMesh.delaunay(cloud)
+    assert mesh.referenced.all()
+    whole = exact_volume(cloud, exact_delaunay_cells(cloud)[0])
+    assert float(exact_volume(cloud, mesh.cells) / whole) == pytest.approx(1, rel=1e-12)
+
+
+def test_a_cell_of_unknown_sign_behind_a_thin_one_is_left_out():
+    """Five corners of a lattice have a neighbour within 1e-8."""
+    rng = np.random.default_rng(9)
+    lattice = np.indices((4, 4, 4)).reshape(3, -1).T[:, [1, 0, 2]] * 1.0
+    close = lattice[:5] + 10.0 ** -rng.integers(3, 15) * rng.standard_normal((5, 3))
+    mesh = SimplexMesh.delaunay(np.unique(np.concatenate([lattice, close]), axis=0))
+    assert mesh.referenced.all()
+    assert mesh.cell_measures.sum() == pytest.approx(27, rel=1e-7)
 
 
 @pytest.mark.parametrize(
