@@ -11,6 +11,7 @@ import numpy as np
 from fieldrecon._core.atomic_files import check_writable
 from fieldrecon._core.extras import require
 from fieldrecon.cli.console import (
+    as_parameters,
     print_files,
     print_json,
     print_missing_pictures,
@@ -57,7 +58,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="holes up to this share of the area around them are filled (0.1)",
     )
     parser.add_argument("--json", action="store_true", help="print the findings as JSON only")
-    parser.add_argument("--out", type=Path, default=Path("audit"), metavar="DIR")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("audit"),
+        metavar="DIR",
+        help="folder of the findings, the page and the pictures (audit)",
+    )
     parser.set_defaults(command=audit)
 
 
@@ -78,7 +85,8 @@ def audit(options: argparse.Namespace) -> int:
         )
         if result.repair:
             result.write(options.repair)
-    written = write_audit(options.out, result.audit, result.points, result.triangles)
+    page = result.report(options.out / "audit.html", as_parameters(options, omit="mesh"))
+    written = [page, *write_audit(options.out, result.audit, result.points, result.triangles)]
     if options.json:
         left = result.final.as_dict()
         print_json({"done": result.repair.done, "left": left} if result.repair else left)

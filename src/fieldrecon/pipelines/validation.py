@@ -83,9 +83,10 @@ class Validation:
         """What was done, and why."""
         count = len(self.residuals)
         targets, own = (self._length(np.median(d)) for d in (self.targets, self.leave_one_out))
+        far, apart = (self._length(np.quantile(d, 0.9)) for d in (self.targets, self.leave_one_out))
         medians = (
             f"The targets have a median distance of {targets} from the nearest sample, the samples "
-            f"of {own} from each other"
+            f"of {own} from each other; a tenth have more than {far} and {apart}"
         )
         if self.is_matched_by_leave_one_out:
             return (

@@ -29,6 +29,7 @@ from fieldrecon.selection.distance_matching import (
     nearest_neighbor_distances,
 )
 from fieldrecon.selection.models import (
+    MANY,
     Maker,
     Model,
     mean_of,
@@ -42,8 +43,6 @@ FEW = 400
 """Up to this number of samples there are more folds, since few samples have room in each."""
 FOLDS_OF_FEW, FOLDS, FOLDS_OF_MANY = 60, 5, 10
 """Numbers of folds of few samples, of more, and of those in windows."""
-MANY = 20_000
-"""Above this number of samples, those in windows are used, in more folds: few gaps fit in one."""
 WINDOWS, WINDOW = 10, 1500
 """Number of windows, and samples of each."""
 MAX_HELD_OUT = 1000

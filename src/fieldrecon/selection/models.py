@@ -23,6 +23,9 @@ from fieldrecon.methods.tangent_plane import OnTangentPlane, in_tangent_plane
 from fieldrecon.polynomials import dimension
 from fieldrecon.reconstruction import Reconstruction
 
+MANY = 20_000
+"""Above this number of samples, cross-validation uses those in windows, in more folds: few gaps fit
+in one. Windows do not show the error of one polynomial through all samples."""
 _NEIGHBORS_PER_COEFFICIENT = 4
 _STRENGTHS = (0.0, *(10.0**k for k in range(-6, 1)))
 _PATCH_STRENGTHS = (0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
@@ -53,7 +56,8 @@ class Model:
         Takes all the points (n, d) to paths of variants, each with more and more smoothing. A
         variant takes points to the method on these.
     max_samples : float
-        Number of samples up to which it is tried unasked: global kernels take O(n³).
+        Number of samples up to which it is tried unasked: global kernels take O(n³), and windows
+        do not show the error of a global polynomial.
     parts : tuple of Model
         Models of whose best variants it is the mean; it then has no variants of its own.
     """
@@ -234,9 +238,9 @@ MODELS: Mapping[str, Model] = MappingProxyType(
     {
         model.name: model
         for model in (
-            Model("ls1", "LS", "least squares, plane", partial(_least_squares, 1)),
-            Model("ls2", "LS", "least squares, degree 2", partial(_least_squares, 2)),
-            Model("ls4", "LS", "least squares, degree 4", partial(_least_squares, 4)),
+            Model("ls1", "LS", "least squares, plane", partial(_least_squares, 1), MANY),
+            Model("ls2", "LS", "least squares, degree 2", partial(_least_squares, 2), MANY),
+            Model("ls4", "LS", "least squares, degree 4", partial(_least_squares, 4), MANY),
             Model("mls1", "MLS", "moving least squares, degree 1", partial(_moving, 1)),
             Model("mls2", "MLS", "moving least squares, degree 2", partial(_moving, 2)),
             Model("linear", "RBF", "kernel r, smoothed", partial(_smoothed, 1, (0, 1)), 1000),

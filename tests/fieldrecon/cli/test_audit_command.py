@@ -35,7 +35,9 @@ def test_a_clean_mesh_has_status_0(folder, capsys):
     shown = capsys.readouterr().out
     assert "80 triangles in 1 part," in shown
     assert "Nothing is wrong" in shown
-    assert shown.splitlines()[-3:] == ["audit/audit.json", "audit/audit.png", "audit/audit.svg"]
+    files = [f"audit/audit.{kind}" for kind in ("html", "json", "png", "svg")]
+    assert shown.splitlines()[-4:] == files
+    assert "Nothing is wrong" in (folder / "audit" / "audit.html").read_text()
     written = json.loads((folder / "audit" / "audit.json").read_text())
     assert written == audit_mesh(*read_triangles("ball.stl")).as_dict()
 

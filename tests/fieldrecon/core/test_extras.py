@@ -202,7 +202,10 @@ def test_audit_works_without_extras(folder):
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["done"]["filled_holes"] == 1
     assert fr.audit_mesh(*fr.io.read_triangles(folder / "closed.stl")).clean
-    assert [path.name for path in (folder / "audit").iterdir()] == ["audit.json"]
+    assert sorted(path.name for path in (folder / "audit").iterdir()) == [
+        "audit.html",
+        "audit.json",
+    ]
     assert re.fullmatch(r"fieldrecon: no picture was drawn: .* 'pictures': pip.*\n", done.stderr)
 
 

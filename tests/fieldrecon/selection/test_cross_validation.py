@@ -192,7 +192,7 @@ def test_the_mean_is_that_of_the_best_variants_of_its_parts():
     points, mean = np.add(uniform(420, 3, seed=2), [0, 0, 1]), MODELS["mean"]
     points /= np.linalg.norm(points, axis=1)[:, None]
     values = franke(points[:, :2]) + 0.1 * np.random.default_rng(0).standard_normal(420)
-    flat = mean.on_tangent_plane(points.mean(axis=0))
+    flat = mean.on_tangent_plane(points.mean(axis=0) / np.linalg.norm(points.mean(axis=0)))
     for model, variances in ((mean, None), (flat, 0.01 + points[:, 0] ** 2)):
         validator = CrossValidator.of(points, values, variances=variances)
         parts = [validator.evaluate(part) for part in model.parts]
