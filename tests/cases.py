@@ -20,6 +20,7 @@ from fieldrecon.kernels.conditionally_positive_definite import (
 from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, matern, wendland
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.functionals import values_at
+from fieldrecon.methods.globe import OnGlobe
 from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.mean import Mean
@@ -27,6 +28,7 @@ from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.natural_splines import NaturalCubicSpline
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
+from fieldrecon.methods.tangent_plane import OnTangentPlane
 from fieldrecon.polynomials import dimension
 from fieldrecon.reconstruction import Reconstruction
 from polytopes import POLYTOPES, voronoi_cell
@@ -36,6 +38,9 @@ EXACT = 1e-10
 
 FLAT = 1e-7
 """Tolerance for kernels so smooth that their matrix loses nine digits."""
+
+DRAWN = 3
+"""Number of arrangements on which a case is tried, each case on others."""
 
 SITES = {1: 24, 2: 45, 3: 70, 5: 120}
 EXTREME_UNITS = (1e-150, 3.0, 1e150)
@@ -51,7 +56,8 @@ class Case:
     whether the residuals of a method that does not interpolate exceed rounding. `removable` says
     whether the method is defined without one of its sites, and `argument` is the name of the
     argument for the sites.
-    `arrangements` are those of `ARRANGEMENTS` that the case is tried on, one of them by default.
+    `arrangements` are those of `ARRANGEMENTS` that the case is tried on, three of them by default,
+    and `refuses` says whether the method may refuse such sites.
     """
 
     name: str
@@ -64,6 +70,7 @@ class Case:
     removable: bool = True
     argument: str = "points"
     arrangements: tuple[str, ...] = ()
+    refuses: bool = True
 
     @cached_property
     def sites(self) -> np.ndarray:
@@ -98,10 +105,19 @@ class Case:
     def arranged(self) -> Iterator[tuple[str, np.ndarray]]:
         """Name and sites of each arrangement on which the method is tried."""
         names = [name for name, a in ARRANGEMENTS.items() if self.d >= a.d]
-        drawn = names[crc32(self.name.encode()) % len(names)]
-        for name in self.arrangements or (drawn,):
+        drawn = np.random.default_rng(crc32(self.name.encode())).permutation(names)[:DRAWN]
+        for name in self.arrangements or drawn:
             for sites in ARRANGEMENTS[name].clouds(np.random.default_rng(7), self.n, self.d):
                 yield f"{name}, {len(sites)} sites", sites
+
+    @staticmethod
+    def around(sites: np.ndarray) -> np.ndarray:
+        """Queries beside sites, between two of them, and in a box that is wider than theirs."""
+        rng, (n, d) = np.random.default_rng(8), sites.shape
+        low, extent = sites.min(axis=0), max(np.ptp(sites, axis=0).max(), 1e-9)
+        near = sites[rng.integers(0, n, 4)] + 0.02 * extent * rng.normal(size=(4, d))
+        between = (sites[rng.integers(0, n, 3)] + sites[rng.integers(0, n, 3)]) / 2
+        return np.vstack([near, between, low + extent * (1.6 * rng.random((6, d)) - 0.3)])
 
     def without(self, i: int) -> float:
         """The value at site i of the field of the other data."""
@@ -116,11 +132,28 @@ class CornersCase(Case):
 
     corners: tuple[tuple[float, ...], ...] = ()
     removable: bool = False
+    refuses: bool = False
 
     @cached_property
     def sites(self) -> np.ndarray:
         """The corners, near or in the unit cube."""
         return on_a_lattice(np.array(self.corners))
+
+    def arranged(self) -> Iterator[tuple[str, np.ndarray]]:
+        """The corners mapped to polytopes with the same faces."""
+        first, last = np.eye(self.d)[[0, -1]]
+        mapped = {
+            "thin along the last axis": self.sites * (1 - (1 - 2.0**-20) * last),
+            "thin along the first axis": self.sites * (1 - (1 - 2.0**-20) * first),
+            "sheared": self.sites + 2.0**10 * self.sites[:, -1:] * first,
+            "far away": self.sites + 2.0**20,
+        }
+        yield from ((name, mapped[name]) for name in self.arrangements or mapped)
+
+    @staticmethod
+    def around(sites: np.ndarray) -> np.ndarray:
+        """Queries inside, many of them near a corner or a face."""
+        return np.random.default_rng(8).dirichlet(np.full(len(sites), 0.3), 13) @ sites
 
 
 @dataclass(frozen=True)
@@ -131,6 +164,7 @@ class PatchesCase(Case):
     """
 
     exact: float = FLAT
+    refuses: bool = False
     cloud: Callable[[np.random.Generator, int, int], np.ndarray] | None = None
 
     @cached_property
@@ -486,9 +520,13 @@ def polytope_cases() -> Iterator[Case]:
             argument="vertices",
             **shape,
         )
-        # the computation of the circumcentres loses a digit or two
+        # the computation of the circumcentres loses a digit or two, and of thin cells all
         yield CornersCase(
-            f"Voronoi cell, a {name}", lambda p, _: voronoi_cell(p), exact=1e-9, **shape
+            f"Voronoi cell, a {name}",
+            lambda p, _: voronoi_cell(p),
+            exact=1e-9,
+            arrangements=("far away",),
+            **shape,
         )
 
 
@@ -666,6 +704,35 @@ def mean_cases() -> Iterator[Case]:
     )
     yield mean_of(rough, plates, units=SMOOTHED_UNITS)
 
+
+@dataclass(frozen=True)
+class GlobeCase(Case):
+    """A method at longitudes and latitudes, which the laws about points of a space are not for."""
+
+    def arranged(self) -> Iterator[tuple[str, np.ndarray]]:
+        """The arrangements in the plane, in a region of forty degrees across the date line."""
+        for name, sites in super().arranged():
+            extent = max(np.ptp(sites, axis=0).max(), 1e-9)
+            yield name, 40 * (sites - sites.min(axis=0)) / extent + [160.0, 35.0]
+
+
+def globe_cases() -> Iterator[Case]:
+    """Methods in space, and in the tangent plane of the region."""
+
+    def case(name: str, make: Callable[[np.ndarray], Reconstruction], refuses: bool) -> Case:
+        return GlobeCase(name, lambda p, _: OnGlobe(p, make), 2, SITES[2], refuses=refuses)
+
+    yield case("globe RBF r³", lambda u: RBF(u, polyharmonic(3)), True)
+    yield case("globe MLS", lambda u: MovingLeastSquares(u, inverse_square(0.1), 1), True)
+    yield case("globe PU", PartitionOfUnityRBF, False)
+    for name, make, refuses in (
+        ("LS", lambda q: LeastSquares(q, 2), True),
+        ("PU", PartitionOfUnityRBF, False),
+    ):
+        yield case(f"tangent plane {name}", lambda u, m=make: OnTangentPlane(u, m), refuses)
+
+
+GLOBE_CASES = [*globe_cases()]
 
 CASES = [
     *least_squares_cases(),

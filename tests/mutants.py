@@ -13,10 +13,12 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 import laws
-from cases import Case, case
+from cases import GLOBE_CASES, Case, case
 from fieldrecon._core import validation as valid
 from fieldrecon._numerics.jets import rows_of_jet
 from fieldrecon._numerics.neighbor_search import Nearest
+from fieldrecon.barycentric.coordinates import BarycentricCoordinates
+from fieldrecon.fields import Field
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
 from fieldrecon.kernels.weights import inverse_square
@@ -30,7 +32,7 @@ from fieldrecon.methods.partition_of_unity import patches as _patches
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.polynomials import Frame, monomials
-from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.reconstruction import Reconstruction
 
 LINE = case("LS degree 1 in 2-D")
 PARABOLA = case("LS degree 2 in 2-D")
@@ -45,6 +47,8 @@ SMOOTHED = case("RBF thin plate, one degree more, smoothed, in 2-D")
 
 OBLIQUE = case("RBF gaussian with a metric in 2-D")
 PATCHES = case("PU r³ on 16 sites, degree 1 in 2-D")
+POLYGON = case("coordinates of the regular 20-gon")
+REGION = next(c for c in GLOBE_CASES if c.name == "globe PU")
 SPHERE = case("PU, sphere in 3-D")
 
 
@@ -445,6 +449,20 @@ class Stretched(Wrapped):
         return super()._value_rows(x * [1.0, 2.0], prepared)
 
 
+class LosesConstantsFarAway(Wrapped):
+    """Gives values of which rounding has left no digit."""
+
+    def _far_among(self, x):
+        return x[:0]
+
+
+class LosesWeightsFarAway(Wrapped):
+    """Gives such weights, and refuses only such values."""
+
+    def _refuse_lost_weights(self, x, executor):
+        pass
+
+
 class FirstSiteTakesTheRest(Wrapped):
     """Adds 0.1 to the weight of the first site."""
 
@@ -645,6 +663,19 @@ class LeastNormParabola(LeastSquares):
     _prepare, _value_rows = Reconstruction._prepare, Reconstruction._value_rows
 
 
+class CornersInSinglePrecision(BarycentricCoordinates):
+    """Rounds its corners, which have digits beyond those of their distance from the origin."""
+
+    def __init__(self, vertices):
+        super().__init__(vertices.astype(np.float32))
+
+
+class MeetsOnlySmoothData(PartitionOfUnityRBF):
+    """Declares that it interpolates where only the fields of smooth data are not refused."""
+
+    interpolates = True
+
+
 class WeightsOfAnySize(MovingLeastSquares):
     """Gives values whose weights are so large that rounding leaves no digit of them."""
 
@@ -789,6 +820,11 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         wrapped(PARABOLA, GradientInLocalCoordinates),
         made(PLATE, "ConstraintForgotten", lambda p, _: ConstraintForgotten(p)),
     ],
+    laws.polynomials_are_reproduced_far_away_or_refused: [
+        wrapped(PARABOLA, LosesConstantsFarAway),
+        wrapped(PARABOLA, LosesWeightsFarAway),
+        wrapped(CUBICS, LosesConstantsFarAway),
+    ],
     laws.data_are_interpolated_if_and_only_if_declared: [
         wrapped(PLATE, InterpolationMisdeclared),
         wrapped(LINE, InterpolationMisdeclared),
@@ -892,6 +928,11 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
     ],
     laws.arrangements_are_solved_or_refused: [
         made(
+            replace(POLYGON, arrangements=("far away",)),
+            "CornersInSinglePrecision",
+            lambda p, _: CornersInSinglePrecision(p),
+        ),
+        made(
             CIRCLE,
             "LeastNormPolynomials",
             lambda p, _: LeastNormPolynomials(p, polyharmonic(3), 3, 16),
@@ -901,7 +942,13 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
             "LeastNormParabola",
             lambda p, _: LeastNormParabola(p),
         ),
+        made(
+            replace(PATCHES, arrangements=("one line",)),
+            "MeetsOnlySmoothData",
+            lambda p, u: MeetsOnlySmoothData(p, gaussian(0.2 * u), 1, 16),
+        ),
         made_while(CUBICS, "OutliersForgotten", "outlier", _patches, "_outliers", no_outliers),
+        made_while(REGION, "PatchesWithOutliers", "outlier", _patches, "APART", np.inf),
         made_while(CUBICS, "BallsAcrossGaps", "clusters", _patches, "WIDEST", np.inf),
         made_while(CUBICS, "TiesByTheOrder", "lattice", np, "lexsort", as_they_come),
         made_while(GAUSSIAN, "NeighborsByTheOrder", "lattice", np, "lexsort", as_they_come),

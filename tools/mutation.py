@@ -248,15 +248,22 @@ class Reach:
     def of(self, mutant: Mutant) -> list[str]:
         """Return the tests of a statement, fast ones first; of one run by imports, the file's.
 
-        The slowest are left out where all together take too long.
+        Where all together take too long, the slowest are left out, and those of other folders
+        before those of the statement's own.
         """
         by_line = self.tests.get(mutant.path, {})
         lines = range(mutant.statement[0], mutant.statement[1] + 1)
         found = {test for line in lines for test in by_line.get(line, ())}
         found = found or {test for tests in by_line.values() for test in tests}
-        ordered = sorted(found, key=lambda test: (self.seconds.get(test, 0.0), test))
-        total = accumulate(self.seconds.get(test, 0.0) for test in ordered)
-        return [test for test, until in zip(ordered, total, strict=True) if until <= LONGEST]
+        room = "tests/fieldrecon/" + Path(mutant.path).parts[2].removesuffix(".py").strip("_")
+
+        def cost(test: str) -> tuple[float, str]:
+            return self.seconds.get(test, 0.0), test
+
+        ordered = sorted(found, key=lambda test: (not test.startswith(room), *cost(test)))
+        total = accumulate(cost(test)[0] for test in ordered)
+        kept = [test for test, until in zip(ordered, total, strict=True) if until <= LONGEST]
+        return sorted(kept, key=cost)
 
 
 def digest() -> str:

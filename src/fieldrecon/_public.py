@@ -3,6 +3,7 @@
 from fieldrecon.advection import departure_points, semi_lagrangian
 from fieldrecon.barycentric import BarycentricCoordinates, VoronoiCell, voronoi_weights
 from fieldrecon.coupling import Coupling
+from fieldrecon.fields import Field
 from fieldrecon.io import load, save
 from fieldrecon.kernels import (
     gaussian,
@@ -24,7 +25,7 @@ from fieldrecon.methods import (
     OnGlobe,
     PartitionOfUnityRBF,
 )
-from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.reconstruction import Reconstruction
 from fieldrecon.selection import leave_one_out
 from fieldrecon.solids import blend, difference, extract_surface, intersection, union
 from fieldrecon.surfaces import (

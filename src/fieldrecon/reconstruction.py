@@ -1,7 +1,6 @@
-"""Reconstructions that are linear in the data, s(x) = sum_i w_i(x) f_i, and their fields.
+"""Reconstructions that are linear in the data, s(x) = sum_i w_i(x) f_i.
 
-A method is determined by its weights w_i(x), which depend on the sites only. A field combines a
-method with data; it is called at points.
+A method is determined by its weights w_i(x), which depend on the sites only.
 """
 
 from __future__ import annotations
@@ -10,7 +9,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from concurrent.futures import Executor
-from functools import partial
+from functools import cached_property, partial
 from inspect import signature
 from typing import Any, ClassVar, TypeAlias
 
@@ -20,11 +19,18 @@ from scipy import sparse
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, rows_of
+from fieldrecon._numerics.far_queries import (
+    are_far,
+    error_of_weights,
+    near_box,
+    refuse_lost_constants,
+)
+from fieldrecon.fields import Field
 
 DENSE_LIMIT_BYTES = 2**31
 """Largest dense weight matrix that is formed, in bytes."""
 
-__all__ = ["Field", "Reconstruction", "Weights", "weights_if_they_fit"]
+__all__ = ["Reconstruction", "Weights", "weights_if_they_fit"]
 
 Weights: TypeAlias = np.ndarray | sparse.csr_array
 
@@ -95,6 +101,9 @@ class Reconstruction(ABC):
             If a dense H would exceed DENSE_LIMIT_BYTES.
         OverflowError
             If a weight exceeds the range of floating-point numbers.
+        numpy.linalg.LinAlgError
+            If a query is so far outside that rounding decides the weights: if they reproduce
+            constants, and rounding makes an error of more than 1e-4 in their sum, which is one.
         """
         return self._in_chunks(self._weight_rows, 1, x, executor, progress)[0]
 
@@ -121,6 +130,8 @@ class Reconstruction(ABC):
         ------
         MemoryError
             If the dense matrices would exceed DENSE_LIMIT_BYTES.
+        numpy.linalg.LinAlgError
+            As for `weights`.
         """
         d = self.points.shape[1]
         return self._in_chunks(self._gradient_weight_rows, d, x, executor, progress)
@@ -155,11 +166,14 @@ class Reconstruction(ABC):
         ------
         ValueError
             If there is not one finite value for each query.
+        numpy.linalg.LinAlgError
+            As for `weights`.
         """
         queries = self._queries(x).reshape(-1, self.points.shape[1])
         f = valid.as_values(f, len(queries), name="f", of="query")
         columns = f.reshape(len(f), math.prod(f.shape[1:]))  # also for no queries
         result = valid.quiet_evaluate(self._adjoint, queries, columns, executor, progress)
+        self._refuse_lost_weights(queries, executor)
         return valid.check_finite(result, self.points).reshape((len(self.points), *f.shape[1:]))
 
     def _queries(self, x: ArrayLike) -> np.ndarray:
@@ -176,6 +190,19 @@ class Reconstruction(ABC):
     ) -> tuple[Weights, ...]:
         """Matrices (m, n) of weights, in chunks of queries that lie together."""
         queries = self._queries(x).reshape(-1, self.points.shape[1])
+        result = self._stacked(rows_of_weights, matrices, queries, executor, progress)
+        self._refuse_lost_weights(queries, executor)
+        return result
+
+    def _stacked(
+        self,
+        rows_of_weights: Callable[[np.ndarray], Weights | tuple[Weights, ...]],
+        matrices: int,
+        queries: np.ndarray,
+        executor: Executor | None,
+        progress: Progress | None,
+    ) -> tuple[Weights, ...]:
+        """The matrices of queries (m, d), from their chunks."""
         order = self._order(queries)
         work, shape = partial(_checked, rows_of_weights), (len(queries), len(self.points))
         if not self._has_sparse_weights:
@@ -191,6 +218,28 @@ class Reconstruction(ABC):
             for whole, some in zip(result, rows, strict=True):
                 whole[part if order is None else order[part]] = some
         return tuple(result) or (np.empty(shape),) * matrices
+
+    def _refuse_lost_weights(self, x: np.ndarray, executor: Executor | None) -> None:
+        """Refuse queries (m, d) so far outside that rounding decides the weights."""
+        far = self._far_among(x)
+        work = partial(valid.quiet_evaluate, self._error_of_weights)
+        for part, error in chunked(work, far, self._weight_chunk_rows(), executor):
+            refuse_lost_constants(far[part], error)
+
+    def _error_of_weights(self, x: np.ndarray) -> np.ndarray:
+        """Error (m, 1) of the sums of the weights at queries (m, d)."""
+        h, one = self._weight_rows(x), self._data_of_one()
+        return error_of_weights(h @ one, abs(h) @ np.abs(one))[:, None]
+
+    def _far_among(self, x: np.ndarray) -> np.ndarray:
+        """Those of the queries (m, d) that are far from the sites, if constants are reproduced."""
+        if self.degree < 0:
+            return x[:0]
+        return x[valid.quiet_evaluate(are_far, self._near_box, x)]
+
+    @cached_property
+    def _near_box(self) -> tuple[np.ndarray, np.ndarray]:
+        return valid.quiet_evaluate(near_box, self.points)
 
     def _refuse_if_too_large(self, m: int, matrices: int = 1) -> None:
         size = 8 * m * len(self.points) * matrices
@@ -216,6 +265,10 @@ class Reconstruction(ABC):
     @abstractmethod
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[Weights, ...]:
         """Gradient weights at the queries, d matrices (m, n)."""
+
+    def _data_of_one(self) -> np.ndarray:
+        """Data (n,) of the constant 1: its values at the sites."""
+        return np.ones(len(self.points))
 
     def _prepare(self, values: np.ndarray) -> Any:
         """Coefficients for the data (n, v), from which values follow; by default the data."""
@@ -368,198 +421,6 @@ def weights_if_they_fit(method: Reconstruction, x: np.ndarray) -> Weights | None
         return None
 
 
-class Field:
-    """A reconstructed field: callable at points, with first and second derivatives.
-
-    Made by `Reconstruction.field`. Many queries are evaluated in chunks, so that the memory beyond
-    inputs and outputs stays bounded.
-
-    Parameters
-    ----------
-    method : Reconstruction
-        The method with its sites.
-    values : (n, ...) ndarray
-        The data.
-    prepare : callable, optional
-        Takes the data (n, v) to the coefficients for evaluation; the method's own routine by
-        default.
-
-    Attributes
-    ----------
-    method : Reconstruction
-        The method with its sites.
-    values : (n, ...) ndarray
-        The data; they do not change when the caller's array does.
-
-    Examples
-    --------
-    >>> import numpy as np, fieldrecon as fr
-    >>> points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    >>> s = fr.RBF(points, fr.thin_plate_spline()).field([1.0, 3.0, 4.0])  # 1 + 2x + 3y
-    >>> s([[0.5, 0.5], [2.0, 0.0]]).round(12)
-    array([3.5, 5. ])
-    >>> s.gradient([0.25, 0.25]).round(12)
-    array([2., 3.])
-    """
-
-    def __init__(
-        self,
-        method: Reconstruction,
-        values: np.ndarray,
-        prepare: Callable[[np.ndarray], Any] | None = None,
-    ) -> None:
-        self.method = method
-        self.values = values.copy()
-        self.values.flags.writeable = False
-        self._shape = values.shape[1:]
-        self._dtype = values.dtype
-        self._prepared = valid.quiet_evaluate(
-            prepare or method._prepare, self.values.reshape(len(values), -1)
-        )
-
-    def __call__(
-        self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
-    ) -> np.ndarray:
-        """Values of the field.
-
-        Parameters
-        ----------
-        x : (..., d) array_like
-            Queries.
-        executor : concurrent.futures.Executor, optional
-            Runs the chunks; this machine's threads by default.
-        progress : callable, optional
-            Called as progress(done, total) with numbers of queries.
-
-        Returns
-        -------
-        (..., *v) ndarray
-            A value of the data's shape for each query.
-
-        Raises
-        ------
-        ValueError
-            If x is not finite or has the wrong number of coordinates.
-        numpy.linalg.LinAlgError
-            If the sites about a query do not determine the value (local methods).
-        OverflowError
-            If a value exceeds the range of floating-point numbers.
-        """
-        return self._evaluate(self.method._value_rows, x, (), executor, progress)
-
-    def gradient(
-        self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
-    ) -> np.ndarray:
-        """Exact gradient of the field.
-
-        Parameters
-        ----------
-        x : (..., d) array_like
-            Queries.
-        executor : concurrent.futures.Executor, optional
-            Runs the chunks; this machine's threads by default.
-        progress : callable, optional
-            Called as progress(done, total) with numbers of queries.
-
-        Returns
-        -------
-        (..., *v, d) ndarray
-            The derivatives by each variable on the last axis.
-
-        Raises
-        ------
-        ValueError
-            As for the values, and where the field has no gradient (-r or exp(-r) at a site).
-        numpy.linalg.LinAlgError
-            If the sites about a query do not determine the value (local methods).
-        OverflowError
-            If a derivative exceeds the range of floating-point numbers.
-        """
-        d = (self.method.points.shape[1],)
-        return self._evaluate(self.method._gradient_rows, x, d, executor, progress)
-
-    def hessian(
-        self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
-    ) -> np.ndarray:
-        """Exact second derivatives of the field, where it has them.
-
-        Parameters
-        ----------
-        x : (..., d) array_like
-            Queries.
-        executor : concurrent.futures.Executor, optional
-            Runs the chunks; this machine's threads by default.
-        progress : callable, optional
-            Called as progress(done, total) with numbers of queries.
-
-        Returns
-        -------
-        (..., *v, d, d) ndarray
-            The symmetric matrix of second derivatives on the last two axes.
-
-        Raises
-        ------
-        ValueError
-            As for the values, and where the field has no second derivatives (r^2 log r^2 at a
-            site).
-        numpy.linalg.LinAlgError
-            If the sites about a query do not determine the value (local methods).
-        OverflowError
-            If a derivative exceeds the range of floating-point numbers.
-        """
-        d = self.method.points.shape[1]
-        return self._evaluate(self.method._hessian_rows, x, (d, d), executor, progress, memory=d)
-
-    def laplacian(
-        self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
-    ) -> np.ndarray:
-        """Laplacian of the field, the sum of its second derivatives by each variable.
-
-        Parameters
-        ----------
-        x : (..., d) array_like
-            Queries.
-        executor : concurrent.futures.Executor, optional
-            Runs the chunks; this machine's threads by default.
-        progress : callable, optional
-            Called as progress(done, total) with numbers of queries.
-
-        Returns
-        -------
-        (..., *v) ndarray
-            The trace of the Hessian.
-
-        Raises
-        ------
-        ValueError, numpy.linalg.LinAlgError, OverflowError
-            As for `hessian`.
-        """
-        d = self.method.points.shape[1]
-        return self._evaluate(self.method._laplacian_rows, x, (), executor, progress, memory=d)
-
-    def _evaluate(
-        self,
-        rows_of_result: Callable[[np.ndarray, Any], np.ndarray],
-        x: ArrayLike,
-        tail: tuple[int, ...],
-        executor: Executor | None,
-        progress: Progress | None,
-        memory: int = 1,
-    ) -> np.ndarray:
-        """Evaluate in chunks; a query takes `memory` times as much memory as for a gradient."""
-        x = self.method._queries(x)
-        queries = x.reshape(-1, x.shape[-1])
-        order = self.method._order(queries)
-        columns = int(np.prod(self._shape, dtype=int))
-        result = np.empty((len(queries), columns, *tail), dtype=self._dtype)
-        work = partial(_evaluated, rows_of_result, self._prepared)
-        rows = max(1, self.method._chunk_rows(columns) // memory)
-        for part, values in chunked(work, queries, rows, executor, progress, order):
-            where = part if order is None else order[part]
-            result[where] = valid.check_finite(values, queries[where])
-        return result.reshape((*x.shape[:-1], *self._shape, *tail))[()]
-
-
 def _checked(
     rows_of_weights: Callable[[np.ndarray], Weights | tuple[Weights, ...]], x: np.ndarray
 ) -> tuple[Weights, ...]:
@@ -575,9 +436,3 @@ def _moments_at(
     queries: np.ndarray,
 ) -> tuple[Any, np.ndarray]:
     return valid.quiet_evaluate(moments, x[queries], f[queries])
-
-
-def _evaluated(
-    rows_of_result: Callable[[np.ndarray, Any], np.ndarray], prepared: Any, x: np.ndarray
-) -> np.ndarray:
-    return valid.quiet_evaluate(rows_of_result, x, prepared)

@@ -14,7 +14,10 @@ def first_of_equal(points: np.ndarray) -> np.ndarray:
     height = heights(points)
     order = np.argsort(height)
     level = height[order[1:]] == height[order[:-1]]
-    tied = order[np.append(False, level) | np.append(level, False)]
+    beside = np.zeros(len(points), dtype=bool)
+    beside[1:] |= level
+    beside[:-1] |= level
+    tied = order[beside]
     first = np.arange(len(points))
     if len(tied):
         tied = tied[np.lexsort((tied, *points[tied].T))]

@@ -12,6 +12,8 @@ import numpy as np
 
 from fieldrecon.polynomials import EPS, dimension, exponents
 
+VANISHING = 1e-6
+"""Size at the sites, relative to what it was made from, from which on a polynomial is not zero."""
 _SAMPLED = 500  # sites at which gradients are looked at for their size
 
 
@@ -37,11 +39,18 @@ class OrthonormalPolynomials:
     at_sites : (n, r) ndarray
         Values at the sites, with orthonormal columns; r is less than the dimension of the
         polynomials if the sites do not determine them.
+    last_degree : int
+        The highest degree of which a polynomial is in the basis.
+    is_steep : bool
+        Whether it has all polynomials up to this degree and ends although a further one does not
+        vanish on the sites: between them all rise so steeply that the rounding of the coordinates
+        decides their values.
     """
 
     def __init__(self, y: np.ndarray, degree: int, rounding: np.ndarray) -> None:
         n, d = y.shape
         self.degree, self._sites = degree, n
+        self.last_degree, self.is_steep = degree, False
         self._blocks: list[tuple[np.ndarray, np.ndarray]] = []
         b, last = np.full((n, 1), n**-0.5), 1
         some = slice(None, None, max(1, n // _SAMPLED))
@@ -66,6 +75,9 @@ class OrthonormalPolynomials:
             g = np.concatenate([g, slopes @ v - g @ part], axis=2)
             b = np.hstack([b, u[:, :last] - b @ part])
             if not last:
+                self.last_degree = k - 1
+                complete = b.shape[1] == dimension(d, k - 1)
+                self.is_steep = complete and float(s[0]) > VANISHING
                 break
         self.at_sites = b
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon.reconstruction import Field
+from fieldrecon.fields import Field
 
 Velocity: TypeAlias = Callable[[np.ndarray, float], np.ndarray]
 """Velocities (m, d) at points (m, d) and a time."""

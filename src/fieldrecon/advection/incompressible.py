@@ -10,8 +10,8 @@ from scipy.sparse.linalg import splu
 
 from fieldrecon._core import validation as valid
 from fieldrecon.advection.characteristics import Velocity, departure_points, velocities
+from fieldrecon.fields import Field
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.reconstruction import Field
 
 BALANCE = 1e-9
 """Largest net flow into the domain, relative to the sum of all flows, that counts as zero."""

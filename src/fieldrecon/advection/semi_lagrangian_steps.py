@@ -23,7 +23,8 @@ from fieldrecon.advection.characteristics import (
     entries,
 )
 from fieldrecon.advection.mass_fixer import project_to_bounds_and_mass
-from fieldrecon.reconstruction import Field, Reconstruction, Weights, weights_if_they_fit
+from fieldrecon.fields import Field
+from fieldrecon.reconstruction import Reconstruction, Weights, weights_if_they_fit
 
 Masses: TypeAlias = ArrayLike | Callable[[Reconstruction], ArrayLike]
 """Masses (n,) of the sites, or a function that returns them for the sites of a method."""

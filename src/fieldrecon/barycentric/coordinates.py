@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator
+from concurrent.futures import Executor
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.chunks import Progress, rows_of
+from fieldrecon._core.chunks import Progress, report_all, rows_of
 from fieldrecon._numerics.jets import rows_of_jet, symmetric
 from fieldrecon.barycentric.polytope import KIND, ROUNDINGS, Polytope, hanging_vertices
 from fieldrecon.barycentric.wachspress import ProductForm
@@ -133,6 +134,10 @@ class BarycentricCoordinates(ConvexCoordinates):
     vertices : (n, d) array_like
         Corners of the polytope, d = 2 or 3, in any order. Faces with more than three corners must
         be flat up to rounding. In the plane, also vertices inside an edge.
+    executor : concurrent.futures.Executor, optional
+        Accepted by all methods; this one has nothing to split.
+    progress : callable, optional
+        Called once, as progress(n, n), when the method is made.
 
     Raises
     ------
@@ -157,7 +162,13 @@ class BarycentricCoordinates(ConvexCoordinates):
     array([0.25, 0.5 ])
     """
 
-    def __init__(self, vertices: ArrayLike) -> None:
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        *,
+        executor: Executor | None = None,  # noqa: ARG002 - as for all methods
+        progress: Progress | None = None,
+    ) -> None:
         self.points = valid.as_points(vertices, "vertices")
         n, d = self.points.shape
         if d not in (2, 3):
@@ -174,14 +185,15 @@ class BarycentricCoordinates(ConvexCoordinates):
             self._ends, self._pairs = _edges_by_twos(polytope)
         else:
             self._depth = _depths(polytope)
+        report_all(progress, n)
 
     @classmethod
     def _argument_names(cls) -> list[str]:
         return []
 
     @classmethod
-    def _made(cls, points: np.ndarray, **arguments: Any) -> Reconstruction:  # noqa: ARG003
-        return cls(points)
+    def _made(cls, points: np.ndarray, **arguments: Any) -> Reconstruction:
+        return cls(points, **arguments)
 
     @property
     def _corner_points(self) -> np.ndarray:

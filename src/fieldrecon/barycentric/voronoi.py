@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import Executor
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from fieldrecon._core import validation as valid
-from fieldrecon._core.chunks import chunked, rows_of
+from fieldrecon._core.chunks import Progress, chunked, report_all, rows_of
 from fieldrecon.barycentric.coordinates import ConvexCoordinates
 from fieldrecon.barycentric.polytope import in_order
 from fieldrecon.barycentric.wachspress import ProductForm
@@ -46,6 +48,10 @@ class VoronoiCell(ConvexCoordinates):
         Triangles or tetrahedra.
     vertex : int
         A vertex inside the mesh.
+    executor : concurrent.futures.Executor, optional
+        Accepted by all methods; this one has nothing to split.
+    progress : callable, optional
+        Called once, as progress(n, n), when the method is made.
 
     Attributes
     ----------
@@ -74,7 +80,14 @@ class VoronoiCell(ConvexCoordinates):
     (np.float64(0.75), array([1., 1.]))
     """
 
-    def __init__(self, mesh: SimplexMesh, vertex: int) -> None:
+    def __init__(
+        self,
+        mesh: SimplexMesh,
+        vertex: int,
+        *,
+        executor: Executor | None = None,  # noqa: ARG002 - as for all methods
+        progress: Progress | None = None,
+    ) -> None:
         i = as_inner_vertices(mesh, vertex)
         if i.ndim:
             raise ValueError(f"vertex must be an index of a point, an integer; got {vertex!r}")
@@ -101,6 +114,7 @@ class VoronoiCell(ConvexCoordinates):
         normals = normals[real]
         self._form = ProductForm(normals, [in_order(normals, at) for at in meeting])
         self._crowded = [(a, at) for a, at in enumerate(meeting) if len(at) > len(self._center)]
+        report_all(progress, len(self.points))
 
     def _arguments(self) -> dict[str, Any]:
         return dict(zip(self._argument_names(), self._star, strict=True))
@@ -111,10 +125,10 @@ class VoronoiCell(ConvexCoordinates):
 
     @classmethod
     def _made(cls, points: np.ndarray, **arguments: Any) -> Reconstruction:  # noqa: ARG003
-        cell = cls(SimplexMesh(arguments["nodes"], arguments["star"]), arguments["vertex"])
-        numbers = np.asarray(arguments["numbers"])
-        cell.cells = tuple(numbers[own] for own in cell.cells)
-        cell._star = tuple(arguments[name] for name in cls._argument_names())
+        vertex, nodes, star, numbers = (arguments.pop(name) for name in cls._argument_names())
+        cell = cls(SimplexMesh(nodes, star), vertex, **arguments)
+        cell.cells = tuple(np.asarray(numbers)[own] for own in cell.cells)
+        cell._star = vertex, nodes, star, numbers
         return cell
 
     def _heights(self, x: np.ndarray) -> np.ndarray:
@@ -126,7 +140,14 @@ class VoronoiCell(ConvexCoordinates):
         return h
 
 
-def voronoi_weights(mesh: SimplexMesh, vertices: ArrayLike, x: ArrayLike) -> sparse.csr_array:
+def voronoi_weights(
+    mesh: SimplexMesh,
+    vertices: ArrayLike,
+    x: ArrayLike,
+    *,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> sparse.csr_array:
     """Weights of `VoronoiCell` for many pairs of a vertex and a query at once.
 
     Cells with the same circumcentre share its weight equally; only their sum has a meaning.
@@ -139,6 +160,10 @@ def voronoi_weights(mesh: SimplexMesh, vertices: ArrayLike, x: ArrayLike) -> spa
         Vertices inside the mesh: one for each query, or one for all.
     x : (..., d) array_like
         Queries, m of them in all.
+    executor : concurrent.futures.Executor, optional
+        Runs the chunks; this machine's threads by default.
+    progress : callable, optional
+        Called as progress(done, total) with numbers of queries.
 
     Returns
     -------
@@ -174,21 +199,33 @@ def voronoi_weights(mesh: SimplexMesh, vertices: ArrayLike, x: ArrayLike) -> spa
     vertex = np.broadcast_to(given, queries.shape[:-1]).ravel()
     rows, (weights, cells, pointer) = queries.reshape(-1, queries.shape[-1]), _empty(mesh, vertex)
     parts = list(_of_equal_valence(pointer))
-
-    def work(which: np.ndarray) -> np.ndarray:
-        part = parts[which[0]]
-        entries = pointer[part, None] + np.arange(pointer[part[0] + 1] - pointer[part[0]])
-        weights[entries], lost = valid.quiet_evaluate(
-            weights_of_cells, mesh, vertex[part], rows[part], cells[entries]
-        )
-        return part[lost]
-
-    lost = [pairs for _, pairs in chunked(work, np.arange(len(parts)), 1)]
-    _weigh_one_by_one(
-        mesh, vertex, rows, np.concatenate([*lost, np.zeros(0, np.intp)]), weights, pointer
-    )
+    work, done = partial(_weights_of_part, mesh, vertex, rows, cells, pointer, parts), 0
+    lost = [np.zeros(0, np.intp)]
+    for _, (part, entries, found, unreliable) in chunked(work, np.arange(len(parts)), 1, executor):
+        weights[entries] = found
+        lost.append(part[unreliable])
+        done += len(part)
+        if progress is not None:
+            progress(done, len(rows))
+    _weigh_one_by_one(mesh, vertex, rows, np.concatenate(lost), weights, pointer)
     h = sparse.csr_array((weights, cells, pointer), shape=(len(rows), len(mesh.cells)))
     return valid.check_finite(h, rows)
+
+
+def _weights_of_part(
+    mesh: SimplexMesh,
+    vertex: np.ndarray,
+    x: np.ndarray,
+    cells: np.ndarray,
+    pointer: np.ndarray,
+    parts: list[np.ndarray],
+    which: np.ndarray,
+) -> tuple[np.ndarray, ...]:
+    """Pairs (g,) of a part, their entries (g, k), the weights there, and which are unreliable."""
+    part = parts[which[0]]
+    entries = pointer[part, None] + np.arange(pointer[part[0] + 1] - pointer[part[0]])
+    found = valid.quiet_evaluate(weights_of_cells, mesh, vertex[part], x[part], cells[entries])
+    return part, entries, *found
 
 
 def as_inner_vertices(mesh: SimplexMesh, vertices: ArrayLike, name: str = "vertex") -> np.ndarray:

@@ -24,6 +24,7 @@ from fieldrecon.io.values import FORMATS, as_formats
 from fieldrecon.pages.reconstruction_page import COLORS, as_png, methods_csv, pictures, summary
 from fieldrecon.pipelines.survey_results import SurveyResult
 from fieldrecon.pipelines.surveys import reconstruct as reconstruct_samples
+from fieldrecon.plotting.figure_files import FIGURE_FORMATS, figure_bytes
 from fieldrecon.selection.models import MODELS
 
 if TYPE_CHECKING:
@@ -126,6 +127,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"a file, whose suffix names the format ({', '.join(FORMATS)}), or a folder",
     )
     add("--format", metavar="NAMES", help="formats in the folder, such as csv,npz (the default)")
+    add(
+        "--pictures",
+        default="png",
+        metavar="NAMES",
+        help=f"formats of the pictures in the folder, of {', '.join(FIGURE_FORMATS)} (png)",
+    )
     add("--save", type=Path, metavar="FIELD.npz", help="save the fitted field")
     add("--title", metavar="TEXT", help="of the page")
     add(
@@ -150,6 +157,7 @@ def reconstruct(options: argparse.Namespace) -> None:
     if (options.samples is None) == (options.load is None):
         raise ValueError("give either a table of samples or --load with a field")
     file, formats = _outputs(options)
+    of_pictures = _picture_formats(options.pictures)
     given = {name: getattr(options, name) for name in _OPTIONS}
     if options.value and len(options.value) == 1:
         (given["value"],) = options.value
@@ -158,7 +166,7 @@ def reconstruct(options: argparse.Namespace) -> None:
             options.samples, **given, lonlat=options.lonlat or None, stages=stage
         )
         stage("writing")
-        written = list(_written(survey, file, formats, options))
+        written = list(_written(survey, file, formats, of_pictures, options))
     print_survey(survey)
     print_files(written)
     print_missing_pictures()
@@ -182,6 +190,17 @@ def _outputs(options: argparse.Namespace) -> tuple[Path | None, list[str]]:
     return file, formats
 
 
+def _picture_formats(names: str) -> list[str]:
+    """Return the formats of the pictures."""
+    formats = [name.strip().lower().removeprefix(".") for name in names.split(",")]
+    for name in formats:
+        if name not in FIGURE_FORMATS:
+            raise ValueError(
+                f"there are no pictures as {name!r}; there are {', '.join(FIGURE_FORMATS)}"
+            )
+    return formats
+
+
 def print_survey(survey: SurveyResult) -> None:
     """Print the errors of the methods, what was evaluated, and the warnings."""
     compared = [t for t in survey.ranked if t.residuals is not None]
@@ -202,14 +221,18 @@ def print_survey(survey: SurveyResult) -> None:
 
 
 def _written(
-    survey: SurveyResult, file: Path | None, formats: Sequence[str], options: argparse.Namespace
+    survey: SurveyResult,
+    file: Path | None,
+    formats: Sequence[str],
+    of_pictures: Sequence[str],
+    options: argparse.Namespace,
 ) -> Iterator[Path]:
     """Write the data, the pictures, and the page, which links to the others; yield the files."""
     drawn = {} if absent(*PICTURES) else pictures(survey, options.colors)
     images = as_png(drawn)
     written = [*_data_written(survey, file, formats, options)]
     if not file:
-        written += _pictures_written(drawn, images, options.out)
+        written += _pictures_written(drawn, images, options.out, of_pictures)
     page = file.with_suffix(".html") if file else options.out / "summary.html"
     links = [os.path.relpath(path, page.parent) for path in written]
     content = summary(survey, as_parameters(options), images, title=options.title, files=links)
@@ -231,10 +254,12 @@ def _data_written(
 
 
 def _pictures_written(
-    drawn: Mapping[str, Figure], images: Mapping[str, bytes], folder: Path
+    drawn: Mapping[str, Figure],
+    images: Mapping[str, bytes],
+    folder: Path,
+    formats: Sequence[str],
 ) -> Iterator[Path]:
-    from fieldrecon.plotting.figure_files import write_figure
-
     for name, picture in drawn.items():
-        yield write_atomically(folder / f"{name}.png", images[name])
-        yield from write_figure(picture, folder / name, ("svg",))
+        for kind in formats:
+            content = images[name] if kind == "png" else figure_bytes(picture, kind)
+            yield write_atomically(folder / f"{name}.{kind}", content)

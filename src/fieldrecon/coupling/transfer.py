@@ -302,11 +302,10 @@ def principal_axes(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     are zero for points that coincide.
     """
     away = points - points.mean(axis=0)
-    size = np.abs(away).max(initial=0.0) or 1.0
-    sigma, axes = np.linalg.svd(np.linalg.qr(away / size, mode="r"))[1:]
+    sigma, axes = np.linalg.svd(np.linalg.qr(away, mode="r"))[1:]
     rms = np.zeros(points.shape[1])
     rms[: len(sigma)] = sigma / np.sqrt(len(points))
-    return axes, rms / (np.ptp(away / size @ axes[0]) or 1.0)
+    return axes, rms / (np.ptp(away @ axes[0]) or 1.0)
 
 
 def row_sums(weights: Weights) -> np.ndarray:

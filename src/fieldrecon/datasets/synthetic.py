@@ -27,7 +27,7 @@ def uniform(n: int, d: int, seed: Seed) -> np.ndarray:
     -------
     ndarray of shape (n, d)
     """
-    return np.random.default_rng(seed).random((as_count(n, "n"), as_count(d, "d")))
+    return np.random.default_rng(seed).random((as_count(n, "n", 0), as_count(d, "d")))
 
 
 def halton(n: int, d: int, seed: Seed | None = None) -> np.ndarray:
@@ -61,7 +61,7 @@ def halton(n: int, d: int, seed: Seed | None = None) -> np.ndarray:
     from scipy.stats import qmc
 
     sequence = qmc.Halton(as_count(d, "d"), scramble=seed is not None, rng=seed)
-    return sequence.random(as_count(n, "n"))
+    return sequence.random(as_count(n, "n", 0))
 
 
 def jittered_grid(side: int, d: int, jitter: float, seed: Seed) -> np.ndarray:
@@ -116,7 +116,7 @@ def clustered(n: int, d: int, clusters: int, spread: float, seed: Seed) -> np.nd
         raise ValueError(f"spread must be a positive number; got {spread!r}")
     rng = np.random.default_rng(seed)
     centres = uniform(as_count(clusters, "clusters"), d, rng)
-    own = centres[rng.integers(clusters, size=as_count(n, "n"))]
+    own = centres[rng.integers(clusters, size=as_count(n, "n", 0))]
     x = own + spread * rng.standard_normal((n, d))
     return 1 - np.abs(1 - x % 2)
 

@@ -120,6 +120,11 @@ def read_mesh(path: str | Path) -> SimplexMesh:
 def read_mesh_and_data(path: str | Path) -> tuple[SimplexMesh, Data, Data]:
     """Read a mesh like `read_mesh`, and the data at its points and in its cells.
 
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        A file of a format that `read_mesh` reads.
+
     Returns
     -------
     mesh : SimplexMesh

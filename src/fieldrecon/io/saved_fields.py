@@ -32,9 +32,11 @@ import numpy as np
 
 from fieldrecon import barycentric, kernels, methods
 from fieldrecon._core.atomic_files import whole_file
+from fieldrecon.fields import Field
+from fieldrecon.io.archives import write_archive
 from fieldrecon.kernels import Radial
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
-from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.reconstruction import Reconstruction
 
 FORMAT, VERSION = "fieldrecon field", 2
 ADDED = {"metric": None}
@@ -83,8 +85,9 @@ def save(path: str | Path, field: Field, names: Sequence[str] = ()) -> None:
     described = description(field.method)
     header = {"format": FORMAT, "version": VERSION, "method": described, "names": list(names)}
     text = np.frombuffer(json.dumps(header, allow_nan=False, default=_plain).encode(), np.uint8)
-    with whole_file(Path(path)) as temporary, temporary.open("wb") as file:
-        np.savez(file, header=text, points=field.method.points, values=field.values)
+    arrays = {"header": text, "points": field.method.points, "values": field.values}
+    with whole_file(Path(path)) as temporary:
+        write_archive(temporary, arrays)
 
 
 def load(path: str | Path) -> Field:

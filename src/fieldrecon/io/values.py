@@ -16,6 +16,7 @@ from types import MappingProxyType
 import numpy as np
 
 from fieldrecon._core.atomic_files import whole_file
+from fieldrecon.io.archives import write_archive
 from fieldrecon.io.netcdf import write_netcdf
 from fieldrecon.io.targets import Targets, TargetValues
 from fieldrecon.io.vtk import write_vtk
@@ -48,8 +49,7 @@ def write_npz(path: Path, result: TargetValues) -> None:
         name: array.reshape(targets.shape + array.shape[1:]) if targets.axes else array
         for name, array in placed.items()
     }
-    with path.open("wb") as file:
-        np.savez(file, **where, **shaped)  # type: ignore[arg-type]
+    write_archive(path, {**where, **shaped})
 
 
 def _in_rows(targets: Targets, array: np.ndarray) -> np.ndarray:

@@ -152,8 +152,6 @@ class _Insertion:
                     rim.append((c, k, other))
         sides: dict[frozenset[int], tuple[int, int]] = {}
         for c, k, other in rim:
-            if other in inside:  # found later
-                continue
             cell, new = self.vertices[c], self.count
             self.count += 1
             self.vertices[new] = (*cell[:k], p, *cell[k + 1 :])

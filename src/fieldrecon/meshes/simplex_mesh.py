@@ -20,7 +20,7 @@ from fieldrecon.meshes.topology import Topology, incidence, pattern, topology
 class SimplexMesh:
     """Triangles in the plane or tetrahedra in space, in the terms of finite volumes.
 
-    A *cell* is a triangle or a tetrahedron; a *face*, an edge or a triangle, lies between two cells
+    A cell is a triangle or a tetrahedron; a face, an edge or a triangle, lies between two cells
     or on the boundary. Arrays are computed on first access, and are read-only.
 
     Parameters

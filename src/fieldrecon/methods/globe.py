@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
 from fieldrecon.methods.other_coordinates import OtherCoordinates
-from fieldrecon.reconstruction import Reconstruction, as_maker, given
+from fieldrecon.reconstruction import Reconstruction
 
 
 def to_unit(lonlat: ArrayLike) -> np.ndarray:
@@ -111,10 +111,7 @@ class OnGlobe(OtherCoordinates):
         progress: Progress | None = None,
     ) -> None:
         self.points = valid.as_points(points)
-        how = given(executor=executor, progress=progress)
-        self.method = as_maker(method)(to_unit(self.points), **how)
-        self.degree = min(self.method.degree, 0)
-        self.interpolates = self.method.interpolates
+        self._make(method, executor, progress)
 
     def _transformed(self, x: np.ndarray) -> np.ndarray:
         return to_unit(x)

@@ -14,6 +14,7 @@ from fieldrecon._core.chunks import Progress, chunked, report_all, rows_of, spli
 from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._numerics.jets import symmetric
 from fieldrecon._numerics.saddle_point import SaddlePoint
+from fieldrecon.fields import Field
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.derivatives import smoothness
 from fieldrecon.methods.functionals import (
@@ -36,7 +37,7 @@ from fieldrecon.methods.solvability import (
     within_range,
 )
 from fieldrecon.polynomials import Frame, dimension, monomial_hessians, require_unisolvent
-from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.reconstruction import Reconstruction
 
 
 class HermiteRBF(Reconstruction):
@@ -77,6 +78,12 @@ class HermiteRBF(Reconstruction):
     numpy.linalg.LinAlgError
         If the data do not determine the polynomial, or the kernel is too flat for them. Weights
         are refused if the field of independent random signs would miss them.
+
+    Notes
+    -----
+    There is no metric: in its distances a Laplacian is another operator of second order, which
+    `Functionals` do not hold. For values and derivatives along b, map points and directions, x to
+    L x and b to L b with M = L^T L.
 
     References
     ----------
@@ -245,6 +252,9 @@ class HermiteRBF(Reconstruction):
     def _weight_chunk_rows(self) -> int:
         return max(super()._weight_chunk_rows(), self._system.least_columns())
 
+    def _data_of_one(self) -> np.ndarray:
+        return self.functionals.value
+
     def _prepare(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         values = values / self._size[:, None]
         lam, c = self._system.solve(values)
@@ -327,6 +337,7 @@ class HermiteField(Field):
             values = valid.quiet_evaluate(self.method._applied, part, self._prepared)
             values = valid.check_finite(values, part.points)
             result[start : start + rows] = values.reshape((len(part), *self._shape))
+        self._refuse_lost_constants(asked.points, None)
         return result
 
 

@@ -36,8 +36,9 @@ class LeastSquares(Reconstruction):
     the origin, nor the unit of length, nor a high degree costs digits. The degree itself may: on n
     equidistant sites, degrees far beyond 2 sqrt(n) amplify the errors of the data. Far from the
     sites, and between them and an outlier, errors and rounding are multiplied by the sum of the
-    absolute weights, which grows like a power of the distance, the degree. Interpolates only if
-    there are as many sites as coefficients.
+    absolute weights, which grows like a power of the distance, the degree. So far outside that a
+    constant is lost, values are refused. Interpolates only if there are as many sites as
+    coefficients.
 
     Parameters
     ----------
@@ -55,7 +56,8 @@ class LeastSquares(Reconstruction):
     ValueError
         If the points are not a finite (n, d) array, or the degree is not an integer >= 0.
     numpy.linalg.LinAlgError
-        If the points do not determine a polynomial of this degree.
+        If the points do not determine a polynomial of this degree, or the rounding of their
+        coordinates decides its values: on 200 equidistant points from degree 113 on.
 
     References
     ----------
@@ -91,6 +93,8 @@ class LeastSquares(Reconstruction):
         with blas_threads_for(2 * len(y) * q * q):
             self._basis = OrthonormalPolynomials(y, self.degree, rounding)
         self._q = self._basis.at_sites
+        if self._basis.is_steep:
+            raise _too_steep(len(y), self.degree, self._basis.last_degree)
         if self._q.shape[1] < q:
             raise undetermined(y.shape[1], self.degree, self._q.shape[1])
         self.interpolates = len(y) == q
@@ -230,6 +234,15 @@ class LeastSquares(Reconstruction):
     def _chunk_rows(self, columns: int) -> int:
         q, d = dimension(self.points.shape[1], self.degree), self.points.shape[1]
         return rows_of(8 * (q * (d + 2) + columns * (d + 1)))
+
+
+def _too_steep(n: int, degree: int, last_degree: int) -> np.linalg.LinAlgError:
+    return np.linalg.LinAlgError(
+        f"degree {degree} is too high for these {n} points in floating-point numbers, and the "
+        f"highest degree for them is {last_degree}: between the points, polynomials of higher "
+        "degrees are so steep that the rounding of the coordinates decides their values; more "
+        "points, denser towards the ends, allow higher degrees"
+    )
 
 
 @valid.finite("the normal equations")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
-from functools import reduce
+from functools import cached_property, reduce
 from operator import add
 from typing import Any
 
@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, split_progress
-from fieldrecon.reconstruction import Field, Reconstruction, Weights, as_maker, given
+from fieldrecon.fields import Field
+from fieldrecon.reconstruction import Reconstruction, Weights, as_maker, given
 
 
 class Mean(Reconstruction):
@@ -83,7 +84,11 @@ class Mean(Reconstruction):
                     f"{type(method).__name__} has {len(method.points)} of {len(self.points)} points"
                 )
         self.degree = min(method.degree for method in self.methods)
-        self.interpolates = all(method.interpolates for method in self.methods)
+
+    @cached_property
+    def interpolates(self) -> bool:  # type: ignore[override]
+        """Whether all of the methods interpolate."""
+        return all(method.interpolates for method in self.methods)
 
     def field(self, values: ArrayLike, *, progress: Progress | None = None, **how: Any) -> Field:
         """Field of these data.

@@ -12,10 +12,11 @@ from scipy.linalg import cho_solve_banded, cholesky_banded
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, report_all, rows_of
+from fieldrecon.fields import Field
 from fieldrecon.methods.solvability import refuse_duplicates
 from fieldrecon.methods.spline_bases import radial_form
 from fieldrecon.polynomials import Frame, powers_of_scale, undetermined
-from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.reconstruction import Reconstruction
 
 
 class NaturalCubicSpline(Reconstruction):

@@ -9,7 +9,9 @@ The derivatives of s are those of t by the chain rule,
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from concurrent.futures import Executor
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,13 +20,30 @@ from scipy import sparse
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
-from fieldrecon.reconstruction import Field, Reconstruction, Weights
+from fieldrecon.fields import Field
+from fieldrecon.reconstruction import Reconstruction, Weights, as_maker, given
 
 
 class OtherCoordinates(Reconstruction):
     """A method `method` on the transformed sites; a subclass has g and its derivatives."""
 
     method: Reconstruction
+
+    def _make(
+        self,
+        method: Callable[..., Reconstruction] | Reconstruction,
+        executor: Executor | None,
+        progress: Progress | None,
+    ) -> None:
+        """Make the method on the transformed sites; of the polynomials of x constants are left."""
+        how = given(executor=executor, progress=progress)
+        self.method = as_maker(method)(self._transformed(self.points), **how)
+        self.degree = min(self.method.degree, 0)
+
+    @cached_property
+    def interpolates(self) -> bool:  # type: ignore[override]
+        """Whether the method on the transformed sites interpolates."""
+        return self.method.interpolates
 
     @abstractmethod
     def _transformed(self, x: np.ndarray) -> np.ndarray:

@@ -153,8 +153,13 @@ def miss_of_rough_data(system: SaddlePoint, phi: np.ndarray) -> float:
 
     Its coefficients are nearly as large as those of any data can be.
     """
-    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(len(system), 1))
+    signs = random_signs(len(system), 1)
     return float(rounding_miss(system.solve(signs)[0], phi, signs)[0])
+
+
+def random_signs(n: int, columns: int) -> np.ndarray:
+    """Independent random data (n, v) of size one: the roughest ones, the same every time."""
+    return np.random.default_rng(0).choice([-1.0, 1.0], size=(n, columns))
 
 
 def refuse_lost_weights(miss: float) -> None:

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
 from fieldrecon.methods.other_coordinates import OtherCoordinates
-from fieldrecon.reconstruction import Reconstruction, as_maker, given
+from fieldrecon.reconstruction import Reconstruction
 
 _OFF = 1e-6  # of the length of a unit vector: the digits of a file
 _NEAREST = 1e-12  # least value of 1 + u . p: the antipode of the pole has no projection
@@ -84,10 +84,7 @@ class OnTangentPlane(OtherCoordinates):
             raise ValueError(f"points must be unit vectors (n, 3); got {self.points.shape}")
         _require_units(self.points, "points")
         self.pole = mean_direction(self.points) if pole is None else _as_pole(pole)
-        how = given(executor=executor, progress=progress)
-        self.method = as_maker(method)(in_tangent_plane(self.points, self.pole), **how)
-        self.degree = min(self.method.degree, 0)
-        self.interpolates = self.method.interpolates
+        self._make(method, executor, progress)
 
     def _transformed(self, x: np.ndarray) -> np.ndarray:
         return in_tangent_plane(x, self.pole)

@@ -10,7 +10,7 @@ from fieldrecon.io.saved_fields import description
 from fieldrecon.io.tables import csv_bytes
 from fieldrecon.pages.one_page import NOTHING, Html, fill, joined, links, page, table
 from fieldrecon.plotting.figure_files import figure_bytes
-from fieldrecon.selection.cross_validation import ModelScore
+from fieldrecon.selection.model_scores import ModelScore
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fieldrecon.reconstruction import Field
+from fieldrecon.fields import Field
 
 if TYPE_CHECKING:
     import dask.array

@@ -76,6 +76,11 @@ class Samples:
     absent: int = 0
 
     @property
+    def variances(self) -> np.ndarray | None:
+        """Squares of the standard deviations, if they are known."""
+        return None if self.sigma is None else self.sigma**2
+
+    @property
     def value_names(self) -> tuple[str, ...]:
         """Names of the columns of the values."""
         return self.names[self.points.shape[1] :]
@@ -143,9 +148,11 @@ class Samples:
         if self.lonlat or not 0 < extents.min() * _OTHER_UNITS < extents.max():
             return
         (x, y), names = extents, self.names
+        factor = 10.0 ** abs(np.round(np.log10(x) - np.log10(y)))
         yield (
             f"{names[0]} extends over {x:.3g} and {names[1]} over {y:.3g}. Distances take both as "
-            "lengths of one unit: if they are not, convert one of them."
+            "lengths of one unit: if they are not, convert one of them, or divide "
+            f"{names[int(extents.argmax())]} by {factor:.0e}."
         )
 
     def _value_warnings(self) -> Iterator[str]:
@@ -292,11 +299,7 @@ def refuse_flat(samples: Samples) -> None:
     """
     points = samples.points
     n, d = points.shape
-    size = np.ptp(points, axis=0).max()
-    rounding = 16 * np.finfo(float).eps * np.abs(points).max()
-    moments = (points - points.mean(axis=0)) / (size or 1.0)
-    stretch = np.sqrt(np.maximum(np.linalg.eigvalsh(moments.T @ moments / n), 0.0))
-    rank = int((stretch > max(1e-7, rounding / (size or 1.0))).sum())
+    rank = _rank(points)
     if samples.lonlat or rank == d:
         return
     where = ("at one point", "on one straight line", "in one plane")[rank]
@@ -304,7 +307,37 @@ def refuse_flat(samples: Samples) -> None:
         "; take the distance along it as the only coordinate of fieldrecon.RBF" if rank == 1 else ""
     )
     raise np.linalg.LinAlgError(
-        f"all {n} points lie {where}: they do not determine the field beside it{remedy}"
+        f"all {n} points lie {where}: they do not determine the field beside it"
+        f"{remedy}{_unit_remedy(samples)}"
+    )
+
+
+def _rank(points: np.ndarray) -> int:
+    """Dimension of the point, line, plane or space in which the points lie, up to a ten-millionth.
+
+    Rounding of the coordinates is no extent.
+    """
+    size = np.ptp(points, axis=0).max()
+    rounding = 16 * np.finfo(float).eps * np.abs(points).max()
+    moments = (points - points.mean(axis=0)) / (size or 1.0)
+    variances = np.linalg.eigvalsh(moments.T @ moments / len(points))
+    stretch = np.sqrt(np.maximum(variances, 0.0))
+    return int((stretch > max(1e-7, rounding / (size or 1.0))).sum())
+
+
+def _unit_remedy(samples: Samples) -> str:
+    """How to convert coordinates of different units, if that makes the points a plane or space."""
+    points = samples.points
+    extents, rounding = np.ptp(points, axis=0), 16 * np.finfo(float).eps * abs(points).max(axis=0)
+    if (extents <= rounding).any() or _rank(points / extents) < len(extents):
+        return ""
+    wide, narrow = int(extents.argmax()), int(extents.argmin())
+    names = samples.names
+    factor = 10.0 ** np.round(np.log10(extents[wide]) - np.log10(extents[narrow]))
+    return (
+        f". {names[wide]} extends over {extents[wide]:.3g} and {names[narrow]} over "
+        f"{extents[narrow]:.3g}: if their units differ, convert one of them, or divide "
+        f"{names[wide]} by {factor:.0e}"
     )
 
 

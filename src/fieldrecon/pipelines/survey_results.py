@@ -15,6 +15,7 @@ from fieldrecon._core.atomic_files import write_atomically
 from fieldrecon._core.chunks import Stages, silent
 from fieldrecon._core.extras import PICTURES, absent
 from fieldrecon._core.memory import memory_used
+from fieldrecon.fields import Field
 from fieldrecon.io.frames import as_source, is_labelled, is_table
 from fieldrecon.io.labelled import to_dataframe, to_xarray
 from fieldrecon.io.targets import Targets, TargetValues, targets_of_table
@@ -26,10 +27,10 @@ from fieldrecon.pages.reconstruction_page import COLORS, as_png, picture, pictur
 from fieldrecon.pipelines.samples import Samples
 from fieldrecon.pipelines.validation import Validation
 from fieldrecon.pipelines.variograms import FEWEST, Variogram, variogram
-from fieldrecon.reconstruction import Field, Reconstruction
-from fieldrecon.selection.cross_validation import ModelScore
+from fieldrecon.reconstruction import Reconstruction
 from fieldrecon.selection.error_bands import COVERAGE
 from fieldrecon.selection.extrapolation import AMONG, OUTSIDE, extrapolated
+from fieldrecon.selection.model_scores import ModelScore
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

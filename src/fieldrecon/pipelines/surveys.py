@@ -19,6 +19,7 @@ import numpy as np
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Stages, silent
 from fieldrecon._core.memory import peak_memory
+from fieldrecon.fields import Field
 from fieldrecon.io.frames import Source, as_source, as_table, is_table
 from fieldrecon.io.saved_fields import load_with_names
 from fieldrecon.io.targets import Targets, grid_over, targets_of_mesh, targets_of_table
@@ -28,12 +29,13 @@ from fieldrecon.methods.tangent_plane import OnTangentPlane, mean_direction
 from fieldrecon.pipelines.samples import Samples, read_samples, refuse_flat
 from fieldrecon.pipelines.survey_results import SurveyResult, on_globe, values_with_error
 from fieldrecon.pipelines.validation import Validation
-from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.reconstruction import Reconstruction
 from fieldrecon.selection.anisotropy import Anisotropy, find_anisotropy
-from fieldrecon.selection.cross_validation import NO_FIELD, CrossValidator, ModelScore, best
+from fieldrecon.selection.cross_validation import NO_FIELD, CrossValidator, best
 from fieldrecon.selection.error_bands import ErrorBand
 from fieldrecon.selection.extrapolation import OUTSIDE, extrapolated
 from fieldrecon.selection.leaving_one_out import leave_one_out
+from fieldrecon.selection.model_scores import ModelScore
 from fieldrecon.selection.models import MODELS, Maker, with_variances
 
 _DEFAULT_GRIDS = {2: (200, 200), 3: (50, 50, 50)}
@@ -166,9 +168,8 @@ def reconstruct(
     sites, queries = on_globe(samples, samples.points), on_globe(samples, targets.points)
     stages("choosing the folds")
     asked = _asked_for(sites, queries, targets, samples.lonlat)
-    variances = None if samples.sigma is None else samples.sigma**2
     scale = _scale(samples)
-    validator = CrossValidator.of(sites, samples.values / scale, asked, variances=variances)
+    validator = CrossValidator.of(sites, samples.values / scale, asked, variances=samples.variances)
     if loaded is None:
         scores = _compare(validator, method, samples.lonlat, wanted, stages)
         scores, found = _with_anisotropy(scores, validator, wanted, stages)
@@ -317,8 +318,7 @@ def _fit_and_evaluate(
         raise ValueError(score.reason)
     patches = score.model.family == "PU"
     progress = stages("making patches" if patches else "fitting")
-    variances = None if samples.sigma is None else samples.sigma**2
-    maker: Callable[..., Reconstruction] = with_variances(score.maker, variances)
+    maker: Callable[..., Reconstruction] = with_variances(score.maker, samples.variances)
     if patches:
         maker = partial(maker, progress=progress)
     method = OnGlobe(samples.points, maker) if samples.lonlat else maker(samples.points)

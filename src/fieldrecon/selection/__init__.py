@@ -5,7 +5,7 @@ points that are extrapolated.
 """
 
 from fieldrecon.selection.anisotropy import Anisotropy, find_anisotropy
-from fieldrecon.selection.cross_validation import CrossValidator, ModelScore, best
+from fieldrecon.selection.cross_validation import CrossValidator, best
 from fieldrecon.selection.distance_matching import (
     Fold,
     distance_matched_folds,
@@ -16,6 +16,7 @@ from fieldrecon.selection.distance_matching import (
 from fieldrecon.selection.error_bands import ErrorBand
 from fieldrecon.selection.extrapolation import extrapolated
 from fieldrecon.selection.leaving_one_out import leave_one_out
+from fieldrecon.selection.model_scores import ModelScore
 from fieldrecon.selection.models import MODELS, Model
 
 __all__ = [

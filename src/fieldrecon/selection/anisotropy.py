@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldrecon._core.chunks import Progress
-from fieldrecon.selection.cross_validation import CrossValidator, ModelScore
+from fieldrecon.selection.cross_validation import CrossValidator
+from fieldrecon.selection.model_scores import ModelScore
 from fieldrecon.selection.models import Model, with_distances, with_metric
 
 RATIOS, DIRECTIONS = (2.0, 4.0), 4
@@ -94,11 +95,21 @@ def find_anisotropy(
     First two ratios along four directions are tried, then the neighbours of the best one. By the
     one-standard-error rule it is taken only if the isotropic error is clearly larger.
 
+    Parameters
+    ----------
+    validator : CrossValidator
+        The samples, with the folds that hold some of them out.
+    score : ModelScore
+        The method, by its error at these samples.
+    progress : callable, optional
+        Called as progress(done, total) with numbers of variants.
+
     Returns
     -------
     ModelScore
         That of the anisotropic variant, or the given one.
     Anisotropy or None
+        What was found, if it was taken.
     """
     maker = score.maker
     if maker is None or score.n_held_out < validator.n_held_out or score.model.family == "LS":

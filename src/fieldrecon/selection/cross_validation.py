@@ -3,10 +3,12 @@
 The held-out samples are as far from the fitted ones as the queries are from all samples, see
 `fieldrecon.selection.distance_matching`. All models are compared on the first folds, with their
 smoothing chosen there; those near the best are then compared on all folds. Of the models whose
-errors there cannot be told from the least, the most cautious is chosen. Where queries are in gaps,
-its patches are made wider unless the errors speak against it. Of many samples, only those
-in some windows are used, each the neighbourhood of a query. This suffices for any method whose
-value depends only on the samples near by.
+errors there cannot be told from the least, the most cautious is chosen. A model that amplifies
+noise at the queries more than at the held-out samples is refused before: its errors there do not
+show those at the queries. Where queries are in gaps, the patches of the chosen model are made wider
+unless the errors speak against it. Of many samples, only those in some windows are used, each the
+neighbourhood of a query. This suffices for any method whose value depends only on the samples near
+by.
 """
 
 from __future__ import annotations
@@ -22,12 +24,15 @@ from scipy.spatial import cKDTree
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
+from fieldrecon.methods.partition_of_unity.blending import shared_patches
+from fieldrecon.reconstruction import Reconstruction
 from fieldrecon.selection.distance_matching import (
     Fold,
     distance_matched_folds,
     held_out_distances,
     nearest_neighbor_distances,
 )
+from fieldrecon.selection.model_scores import ModelScore, by_caution
 from fieldrecon.selection.models import (
     MANY,
     Maker,
@@ -37,12 +42,15 @@ from fieldrecon.selection.models import (
     with_variances,
     with_wide_patches,
 )
+from fieldrecon.selection.noise_gain import noise_gain
 
 NO_FIELD = (ValueError, np.linalg.LinAlgError, MemoryError, OverflowError)
 FEW = 400
 """Up to this number of samples there are more folds, since few samples have room in each."""
 FOLDS_OF_FEW, FOLDS, FOLDS_OF_MANY = 60, 5, 10
 """Numbers of folds of few samples, of more, and of those in windows."""
+SUFFICIENT, MOST_FOLDS = 100, 40
+"""Number of held-out samples up to which the number of folds is doubled, and its maximum."""
 WINDOWS, WINDOW = 10, 1500
 """Number of windows, and samples of each."""
 MAX_HELD_OUT = 1000
@@ -55,90 +63,14 @@ NEARLY = 1.02
 """Of several paths of variants, the first is taken whose error is at most this times the least."""
 FINALISTS = 3
 """Largest number of models that are compared on all folds, besides the most cautious one."""
+AMPLIFIED, GAIN_QUERIES = 3.0, 200
+"""Ratio of the noise gains at queries and held-out samples beyond which a model is refused, and the
+number of queries at which it is computed."""
 GAP = 1.5
 """There are gaps if held-out samples are this many times as far from the fitted ones as samples are
 from each other, on the mean."""
 
 Result = TypeVar("Result")
-
-
-@dataclass(frozen=True, eq=False)
-class ModelScore:
-    """Result of a model on the samples: residuals at held-out samples, or why there are none.
-
-    Parameters
-    ----------
-    model : Model
-    maker : callable, optional
-        The variant of least error; takes points to the method on these.
-    residuals : ndarray of shape (m,) or (m, k), optional
-        At each held-out sample, its value, or k values, less the field of the fitted ones there.
-    reason : str
-        Why the model was not tried or has no field, otherwise empty.
-    weights : ndarray of shape (m,), optional
-        How much each held-out sample counts in the root mean square; by default all equally.
-    held_out : ndarray of shape (m,), optional
-        The held-out samples, by their indices; by default m different ones.
-    caution : float
-        That of the model if its error cannot be told from the least, otherwise infinite.
-    """
-
-    model: Model
-    maker: Maker | None
-    residuals: np.ndarray | None
-    reason: str = ""
-    weights: np.ndarray | None = None
-    held_out: np.ndarray | None = None
-    caution: float = np.inf
-
-    def __repr__(self) -> str:
-        return f"<ModelScore {self.model.name}: {self.reason or self.errors}>"
-
-    @property
-    def errors(self) -> str:
-        """Its errors in words."""
-        return f"rms error {self.rms:.4g} at {self.n_held_out} held-out samples"
-
-    @property
-    def n_held_out(self) -> int:
-        """Number of residuals."""
-        return 0 if self.residuals is None else len(self.residuals)
-
-    @property
-    def rms(self) -> float:
-        """Root mean square of the residuals, in the unit of the values; infinite without any."""
-        if self.residuals is None:
-            return np.inf
-        return float(np.sqrt(np.average(self.squares, weights=self.weights)))
-
-    @property
-    def squares(self) -> np.ndarray:
-        """Squared residual at each held-out sample, (m,), the mean of those of several values."""
-        assert self.residuals is not None, "a score without residuals has a reason"
-        return np.mean(self.residuals.reshape(self.n_held_out, -1) ** 2, axis=1)
-
-    @property
-    def largest(self) -> float:
-        """Largest absolute residual; infinite without any."""
-        return np.inf if self.residuals is None else float(np.abs(self.residuals).max())
-
-    @property
-    def rank(self) -> tuple[int, float, float]:
-        """Key of the order: more held-out samples, then caution, then the smaller rms first."""
-        return -self.n_held_out, self.caution, self.rms
-
-    def is_level_with(self, best: ModelScore) -> bool:
-        """Whether its mean square error exceeds that of the best by at most one standard error.
-
-        With the differences e of their squares, and s the sums of e - mean(e) at each of the
-        samples, of which some are held out in several folds: mean(e) <= sqrt(sum(s²)) / m.
-        """
-        excess = self.squares - best.squares
-        weights = np.ones(len(excess)) if self.weights is None else self.weights
-        mean = np.average(excess, weights=weights)
-        off = weights * (excess - mean)
-        sums = off if self.held_out is None else np.bincount(self.held_out, weights=off)
-        return bool(mean <= np.sqrt((sums**2).sum()) / weights.sum())
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,12 +85,18 @@ class CrossValidator:
     folds : tuple of Fold
     variances : ndarray of shape (n,), optional
         Variances of the noise of the values, to which smoothing is proportional.
+    queries : ndarray of shape (m, d), optional
+        Queries that the held-out samples stand for.
+    sites : ndarray of integers, optional
+        Indices of the samples near the queries; by default all samples.
     """
 
     points: np.ndarray
     values: np.ndarray
     folds: tuple[Fold, ...]
     variances: np.ndarray | None = None
+    queries: np.ndarray | None = None
+    sites: np.ndarray | None = None
     _known: dict[tuple[Maker, Fold], np.ndarray] = field(
         default_factory=dict, init=False, repr=False
     )
@@ -177,16 +115,16 @@ class CrossValidator:
         points = valid.as_points(points)
         values = valid.as_values(values, len(points))
         x = x if x is None else valid.as_queries(x, points.shape[1])
-        n_folds = _number_of_folds(len(points))
-        if len(points) <= MANY:
-            folds = distance_matched_folds(points, x, n_folds, MAX_HELD_OUT, seed=seed)
-        else:
-            x, own = _windows(points, x, seed)
-            found = distance_matched_folds(points[own], x, n_folds, MAX_HELD_OUT, seed=seed)
-            folds = tuple(Fold(own[fold.held_out], own[fold.fitted]) for fold in found)
+        sites = np.arange(len(points))
+        if len(points) > MANY:
+            x, sites = _windows(points, x, seed)
+        folds = tuple(
+            Fold(sites[fold.held_out], sites[fold.fitted])
+            for fold in _sufficient_folds(points[sites], x, _number_of_folds(len(points)), seed)
+        )
         if variances is not None:
             variances = valid.as_values(variances, len(points), "variances")
-        return cls(points, values, folds, variances)
+        return cls(points, values, folds, variances, x, sites)
 
     @cached_property
     def held_out(self) -> np.ndarray:
@@ -218,20 +156,33 @@ class CrossValidator:
         """Scores of the models: all on the first folds, and those near the best on all folds.
 
         The most cautious model is compared on all folds, too: on the first ones, a model that
-        overshoots in gaps may be the best by chance. By the one-standard-error rule, the scores
-        that are level with the best one have the `caution` of their models.
+        overshoots in gaps may be the best by chance. So are the parts of a mean, whose residuals
+        are known. By the one-standard-error rule, the scores that are level with the best one have
+        the `caution` of their models.
         """
+        with shared_patches():
+            return self._compare(models, asked_for, progress)
+
+    def _compare(
+        self, models: Sequence[Model], asked_for: bool, progress: Progress | None
+    ) -> list[ModelScore]:
         first = self._first_folds()
         scores: list[ModelScore] = []
         for done, model in enumerate(models, 1):
             scores.append(self.evaluate(model, asked_for, first, scores))
             if progress is not None:
                 progress(done, len(models) + 1)
+        scores = self._without_amplifiers(scores)
         ranked = sorted((s for s in scores if s.maker), key=lambda score: score.rms)
         near = [s for s in ranked[:FINALISTS] if s.rms <= DOMINATED * ranked[0].rms]
         near += sorted(ranked, key=lambda score: score.model.caution)[:1]
-        final = [self._on_all_folds(score) if score in near else score for score in scores]
-        return self._with_suitable_patches(_by_caution(final))
+        parts = {part for score in near if score.maker for part in parts_of_mean(score.maker)}
+        near += [score for score in ranked if score.maker in parts]
+        final: dict[str, ModelScore] = {}
+        for score in sorted(near, key=lambda score: len(score.model.parts)):  # a mean has parts
+            final[score.model.name] = self._on_all_folds(score, final)
+        every = [final.get(score.model.name, score) for score in scores]
+        return self._with_suitable_patches(by_caution(every))
 
     def evaluate(
         self,
@@ -268,9 +219,13 @@ class CrossValidator:
         return self.score(model, mean_of(makers), folds)
 
     def _first_folds(self) -> tuple[Fold, ...]:
-        """The folds on which all models are compared: the fewest with enough held-out samples."""
+        """The folds on which all models are compared: the fewest with enough held-out samples.
+
+        They are not more than the folds of samples without gaps, so that the time is bounded.
+        """
         total = np.cumsum([len(fold.held_out) for fold in self.folds])
-        return self.folds[: int(np.searchsorted(total, ENOUGH)) + 1]
+        enough = int(np.searchsorted(total, ENOUGH)) + 1
+        return self.folds[: min(enough, _number_of_folds(len(self.points)))]
 
     def score(self, model: Model, maker: Maker, folds: Sequence[Fold] | None = None) -> ModelScore:
         """Residuals of one variant of the model at the held-out samples of the folds, or of all."""
@@ -283,9 +238,77 @@ class CrossValidator:
         weights = None if self.variances is None else _certainty(self.variances)[held_out]
         return ModelScore(model, maker, residuals, weights=weights, held_out=held_out)
 
-    def _on_all_folds(self, score: ModelScore) -> ModelScore:
+    def amplification(self, maker: Maker) -> float:
+        """Noise gain of a variant at the queries, divided by that at the held-out samples.
+
+        Root mean squares, of the first folds and of queries no farther than the held-out samples.
+        Moving least squares between tracks, for example, extrapolates from the nearest track; at a
+        held-out sample of a track it interpolates along this track, with far smaller weights.
+        """
+        x = self._reached_queries()
+        if x is None or not len(x):
+            return 1.0
+        try:
+            sites = np.arange(len(self.points)) if self.sites is None else self.sites
+            at_queries = noise_gain(self._fitted(maker, sites), x)
+            held_out = [
+                noise_gain(self._fitted(maker, fold.fitted), self.points[fold.held_out])
+                for fold in self._first_folds()
+            ]
+        except NO_FIELD:
+            return np.inf
+        return _rms(at_queries) / _rms(np.concatenate(held_out))
+
+    def _reached_queries(self) -> np.ndarray | None:
+        """Some queries that are no farther from the samples than the farthest held-out one."""
+        if self.queries is None:
+            return None
+        order = np.random.default_rng(0).permutation(len(self.queries))[:GAIN_QUERIES]
+        some = self.queries[order]
+        near = nearest_neighbor_distances(self.points, some) <= self.distances.max()
+        return some[near]
+
+    def _without_amplifiers(self, scores: list[ModelScore]) -> list[ModelScore]:
+        """The scores, with the reason for refusing models that amplify noise at the queries.
+
+        Only models with less error than the finalists are tried. If none of all would be left,
+        none is refused.
+        """
+        refused: dict[str, str] = {}
+        accepted = 0
+        for score in sorted((s for s in scores if s.maker), key=lambda score: score.rms):
+            assert score.maker is not None
+            if accepted == FINALISTS:
+                break
+            ratio = self.amplification(score.maker)
+            if ratio > AMPLIFIED:
+                refused[score.model.name] = (
+                    f"its weights amplify noise {ratio:.2g} times as much at the targets as at the "
+                    f"held-out samples, so the {score.errors} is not that at the targets"
+                )
+            else:
+                accepted += 1
+        if not accepted:
+            return scores
+        return [
+            ModelScore(score.model, None, None, refused[score.model.name])
+            if score.model.name in refused
+            else score
+            for score in scores
+        ]
+
+    def _on_all_folds(self, score: ModelScore, known: Mapping[str, ModelScore]) -> ModelScore:
+        """The score on all folds, of the variant with less smoothing if it has less error there.
+
+        In gaps a fold has few held-out samples, and all folds take too long for two variants.
+        """
         assert score.maker is not None, "only models with a field are compared on all folds"
-        final = self.score(score.model, score.maker)
+        if score.model.parts:
+            final = self._of_mean(score.model, self.folds, known)
+        else:
+            final = self.score(score.model, score.maker)
+        if score.weaker and not self.has_gaps:
+            final = min(final, self.score(score.model, score.weaker), key=lambda s: s.rms)
         return final if final.maker else score
 
     def _with_suitable_patches(self, scores: list[ModelScore]) -> list[ModelScore]:
@@ -315,23 +338,36 @@ class CrossValidator:
     def _new_residuals(self, maker: Maker, fold: Fold) -> np.ndarray:
         if parts := parts_of_mean(maker):
             return np.mean([self._residuals(part, fold) for part in parts], axis=0)
+        method, x = self._fitted(maker, fold.fitted), self.points[fold.held_out]
+        known = self.values[fold.fitted]
+        # weights take only the patches that contain held-out samples, and fields all
+        found = method.weights(x) @ known if method._has_sparse_weights else method.field(known)(x)
+        return self.values[fold.held_out] - found
+
+    def _fitted(self, maker: Maker, sites: np.ndarray) -> Reconstruction:
+        """The variant on some of the samples, with the variances of these."""
         if self.variances is not None:
-            maker = with_variances(maker, self.variances[fold.fitted])
-        fitted = maker(self.points[fold.fitted]).field(self.values[fold.fitted])
-        return self.values[fold.held_out] - fitted(self.points[fold.held_out])
+            maker = with_variances(maker, self.variances[sites])
+        return maker(self.points[sites])
 
 
-def _by_caution(scores: list[ModelScore]) -> list[ModelScore]:
-    """The scores, with the caution of their models if they are level with the best on all folds."""
-    most = max(score.n_held_out for score in scores)
-    final = [score for score in scores if score.n_held_out == most > 0]
-    least = min(final, key=lambda score: score.rms, default=None)
-    return [
-        replace(score, caution=score.model.caution)
-        if least and score in final and score.is_level_with(least)
-        else score
-        for score in scores
-    ]
+def _rms(numbers: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(numbers**2)))
+
+
+def _sufficient_folds(
+    points: np.ndarray, x: np.ndarray | None, n_folds: int, seed: int
+) -> tuple[Fold, ...]:
+    """Folds that hold out a sufficient number of samples, as many as that takes up to a maximum.
+
+    Where gaps are large, a fold has room for a few only. The quantiles of few residuals, and the
+    differences between models, are known too badly.
+    """
+    folds = distance_matched_folds(points, x, n_folds, MAX_HELD_OUT, seed=seed)
+    few = sum(len(fold.held_out) for fold in folds) < min(SUFFICIENT, len(points))
+    if few and 2 * n_folds <= MOST_FOLDS:
+        return _sufficient_folds(points, x, 2 * n_folds, seed)
+    return folds
 
 
 def _number_of_folds(n: int) -> int:
@@ -382,13 +418,30 @@ def _least(path: Sequence[Maker], score: Callable[[Maker], ModelScore]) -> Model
         i = start
         while 0 <= i + step < len(path) and rms(i + step) < rms(i):
             i += step
-    return min(found.values(), key=lambda score: score.rms)
+    i = min(found, key=rms)
+    least, weaker = found[i], found.get(i - 1)
+    if weaker and weaker.maker and weaker.is_level_with(least):
+        return replace(least, weaker=weaker.maker)
+    return least
 
 
 def best(
     scores: Sequence[ModelScore], attempt: Callable[[ModelScore], Result]
 ) -> tuple[ModelScore, Result]:
     """Return the first score by rank for which the attempt succeeds, and the attempt's result.
+
+    Parameters
+    ----------
+    scores : sequence of ModelScore
+        The compared models.
+    attempt : callable
+        Called with one score after the other: it fits the model to all samples, or raises.
+
+    Returns
+    -------
+    ModelScore
+    object
+        What the attempt returned.
 
     Raises
     ------

@@ -83,7 +83,20 @@ def nearest_neighbor_distances(points: ArrayLike, x: ArrayLike | None = None) ->
 
 
 def held_out_distances(points: ArrayLike, folds: Sequence[Fold]) -> np.ndarray:
-    """Distance of each held-out sample from the nearest one that is fitted, fold by fold."""
+    """Distance of each held-out sample from the nearest one that is fitted, fold by fold.
+
+    Parameters
+    ----------
+    points : (n, d) array_like
+        All samples.
+    folds : sequence of Fold
+        Indices of the samples that are held out, and of those that are fitted.
+
+    Returns
+    -------
+    (h,) ndarray
+        For the h held-out samples of all folds; a sample of two folds has two distances.
+    """
     points = valid.as_points(points)
     return np.concatenate(
         [nearest_neighbor_distances(points[f.fitted], points[f.held_out]) for f in folds]

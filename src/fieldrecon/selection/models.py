@@ -28,13 +28,16 @@ MANY = 20_000
 in one. Windows do not show the error of one polynomial through all samples."""
 _NEIGHBORS_PER_COEFFICIENT = 4
 _STRENGTHS = (0.0, *(10.0**k for k in range(-6, 1)))
-_PATCH_STRENGTHS = (0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
+_PATCH_STRENGTHS = (0.0, 0.03, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 _NOISY_PATCH, _WIDE_PATCH = 60, 240
 CAUTIOUS = ("mean", "linear", "pu1", "smooth", "pu2", "pusmooth")
 """Names of models, in the order in which they overshoot more and more where samples are few.
 
 The mean of the kernel r and of plates comes first: beside a gap, where one of them is wrong, the
 other one halves its error."""
+_DUPLICATE, _REPEATED = 1e-3, 32
+"""Distance of near-duplicates in units of the mean distance of samples, and the neighbours among
+which a sample has one that is none."""
 _TYPICAL = 5000  # samples from whose neighbours the typical distance of samples is found
 
 Maker: TypeAlias = Callable[[np.ndarray], Reconstruction]
@@ -218,13 +221,28 @@ def _patches(power: int, _: np.ndarray) -> list[list[Maker]]:
 
 def _smoothed_patches(power: int, degrees: Sequence[int], points: np.ndarray) -> list[list[Maker]]:
     """Patches of a kernel, with smoothing (s h)^power for the distance h between neighbours."""
-    few = points[:: max(1, len(points) // _TYPICAL)]
-    unit = np.median(cKDTree(points).query(few, 2)[0][:, 1]) if len(points) > 1 else 1.0
+    unit = _spacing(points)
     patches = partial(PartitionOfUnityRBF, kernel=_kernel(power), patch_size=_NOISY_PATCH)
     return [
         [partial(patches, degree=m, smoothing=(unit * s) ** power) for s in _PATCH_STRENGTHS]
         for m in degrees
     ]
+
+
+def _spacing(points: np.ndarray) -> float:
+    """The median distance of a sample from the nearest one that is no near-duplicate of it.
+
+    Near-duplicates, such as repeated measurements at a station, are nearer than a thousandth of
+    l / n^(1/d), with the extent l. A sample that has no others among its neighbours does not count.
+    """
+    n, d = points.shape
+    mean = float(np.ptp(points, axis=0).max()) / n ** (1 / d)
+    few = points[:: max(1, n // _TYPICAL)]
+    distance = cKDTree(points).query(few, range(1, min(_REPEATED, n) + 1))[0]
+    apart = distance > _DUPLICATE * mean
+    nearest = distance[np.arange(len(few)), apart.argmax(axis=1)]
+    counted = apart.any(axis=1)
+    return float(np.median(nearest[counted])) if counted.any() else mean or 1.0
 
 
 def _no_variants(_: np.ndarray) -> list[list[Maker]]:

@@ -8,12 +8,12 @@ from scipy.spatial import cKDTree
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
+from fieldrecon.fields import Field
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.functionals import derivatives_at, values_at
 from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.reconstruction import Field
 from fieldrecon.solids.constructive import Solid
 from fieldrecon.surfaces.cloud_cleaning import CleanedCloud, as_clean_cloud
 from fieldrecon.surfaces.off_surface import classified_points, off_surface_points

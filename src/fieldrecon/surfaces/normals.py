@@ -121,7 +121,7 @@ def _principal(coordinates: np.ndarray, index: np.ndarray) -> tuple[np.ndarray, 
 
 def as_cloud(points: ArrayLike, dimensions: tuple[int, ...] = (3,), least: int = 3) -> np.ndarray:
     """Validate three or more points in space, or of another dimension or least number."""
-    p = valid.as_points(points)
+    p = valid.as_points(points, none_allowed=least == 0)
     if p.shape[1] not in dimensions or len(p) < least:
         shapes = " or ".join(f"(n, {d})" for d in dimensions)
         raise ValueError(f"points must have the shape {shapes}, n at least {least}; got {p.shape}")

@@ -82,7 +82,9 @@ def off_surface_points(
     >>> off.points[off.sites == 1, 2].round(12), off.values[off.sites == 1].round(12)
     (array([1.4, 0.3]), array([-1. ,  0.1]))
     """
-    p, n = as_oriented(points, normals)
+    p, n = as_oriented(points, normals, least=0)
+    if not len(p):
+        return OffSurface(p, np.zeros(0), np.zeros(0, dtype=np.intp))
     d = spacing_of(p) if distance is None else valid.as_length(distance, "distance")
     p_local = p - p[0]
     tree = cKDTree(p_local)
@@ -171,10 +173,12 @@ def spacing_of(points: ArrayLike, neighbors: int = 9) -> float:
     return float(np.median(reach) * np.sqrt(np.pi / k))
 
 
-def as_oriented(points: ArrayLike, normals: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    """Validate points (n, 3) and their normals, which are normalized."""
-    p = as_cloud(points, least=1)
-    n = valid.as_points(normals, "normals")
+def as_oriented(
+    points: ArrayLike, normals: ArrayLike, least: int = 1
+) -> tuple[np.ndarray, np.ndarray]:
+    """Validate points (n, 3), n at least `least`, and their normals, which are normalized."""
+    p = as_cloud(points, least=least)
+    n = valid.as_points(normals, "normals", none_allowed=least == 0)
     if n.shape != p.shape:
         raise ValueError(f"normals must have the shape of the points, {p.shape}; got {n.shape}")
     length = np.linalg.norm(n, axis=1, keepdims=True)

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
+from fieldrecon.fields import Field
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.functionals import derivatives_at, values_at
 from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.reconstruction import Field
 
 Shape = tuple[ArrayLike, ArrayLike]
 """Points (n, d) on a closed curve or surface, and outward normals."""

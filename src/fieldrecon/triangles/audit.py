@@ -227,8 +227,8 @@ def in_words(kind: str, n: int) -> str:
 
 
 def as_surface(points: ArrayLike, triangles: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    """Validate points in space, and triangles that index them."""
-    p = valid.as_points(points)
+    """Validate points in space, and triangles that index them; there may be none."""
+    p = valid.as_points(points, none_allowed=True)
     if p.shape[1] != 3:
         raise ValueError(f"points must have the shape (n, 3); got {p.shape}")
     triangles = valid.unmasked(triangles, "triangles")
@@ -238,7 +238,7 @@ def as_surface(points: ArrayLike, triangles: ArrayLike) -> tuple[np.ndarray, np.
         raise ValueError("triangles must have three vertices each; the rows differ") from None
     if given.dtype.kind not in "iu":
         raise ValueError(f"triangles must be integers; got the type {given.dtype}")
-    if given.ndim != 2 or given.shape[1] != 3 or len(given) == 0:
+    if given.ndim != 2 or given.shape[1] != 3:
         raise ValueError(f"triangles must have the shape (m, 3); got {given.shape}")
     outside = (given < 0) | (given >= len(p))
     if outside.any():
@@ -253,12 +253,12 @@ def default_tolerance(points: ArrayLike) -> float:
     """Four roundings of the largest coordinate, in the precision of the points."""
     given = np.asarray(points)
     precision = np.finfo(given.dtype if given.dtype.kind == "f" else float).eps
-    return ROUNDING * float(precision) * float(np.abs(given.astype(float)).max())
+    return ROUNDING * float(precision) * float(np.abs(given.astype(float)).max(initial=0.0))
 
 
 def unit_of(p: np.ndarray) -> float:
     """The power of two in which the largest coordinate is from 1 to 2."""
-    return float(np.ldexp(1.0, int(np.frexp(np.abs(p).max())[1]) - 1))
+    return float(np.ldexp(1.0, int(np.frexp(np.abs(p).max(initial=0.0))[1]) - 1))
 
 
 def connection_errors(p: np.ndarray, t: np.ndarray, merged: np.ndarray) -> dict[str, Any]:

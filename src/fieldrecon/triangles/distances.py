@@ -36,6 +36,7 @@ def distances_to_triangles(
     Returns
     -------
     (k,) ndarray
+        Infinite if there are no triangles.
 
     References
     ----------
@@ -50,6 +51,8 @@ def distances_to_triangles(
     """
     x = valid.as_points(x, "x", none_allowed=True)
     points, triangles = as_surface(points, triangles)
+    if not len(triangles):
+        return np.full(len(x), np.inf)
     middle = points.mean(axis=0)
     p = points - middle
     used = np.unique(triangles)

@@ -33,7 +33,7 @@ def _near_pairs(points: np.ndarray, tolerance: float) -> np.ndarray:
     """Pairs (k, 2) of different points no farther apart than the tolerance."""
     height = heights(points)
     order = np.argsort(height)
-    reach = 2 * tolerance + 8 * np.finfo(float).eps * np.abs(height).max()
+    reach = 2 * tolerance + 8 * np.finfo(float).eps * np.abs(height).max(initial=0.0)
     stop = np.searchsorted(height[order], height[order] + reach, side="right")
     count = stop - np.arange(len(order)) - 1
     if count.sum() > _MAX_NEIGHBORS * len(points):  # the projection does not separate these points

@@ -93,8 +93,6 @@ def _signs(
 
 def _exact_signs(points: tuple[np.ndarray, ...]) -> np.ndarray:
     """Signs of det(b - a, c - a, ...) in integers."""
-    if len(points[0]) == 0:
-        return np.zeros(0, dtype=np.int8)
     first, *others = _as_integers(np.stack(points))
     u, v, *more = (p - first for p in others)
     if not more:

@@ -117,7 +117,7 @@ def repair_mesh(
     >>> faces = [[0, 1, 2], [0, 1, 3], [1, 2, 3], [0, 3, 2], [2, 3, 1], [3, 3, 0]]
     >>> repaired = repair_mesh(corners, faces)
     >>> repaired.done
-    {'removed_triangles': 2, 'turned_triangles': 1}
+    {'removed_triangles': 2, 'reoriented_triangles': 1}
     >>> repaired.triangles.tolist(), repaired.after.clean
     ([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], True)
     """
@@ -168,7 +168,7 @@ class _Damaged:
         kept = without_duplicates(merged[self.triangles], n)
         kept = without_flat(p, kept, tolerance, spare)
         kept, fins = (kept, 0) if spare else without_fins(p, kept, self.largest_hole)
-        if len(kept) == 0:
+        if len(kept) == 0 and len(self.triangles):
             raise ValueError("triangles must not all be degenerate; none is left to repair")
         t = kept
         if stages > 1:
@@ -181,12 +181,12 @@ class _Damaged:
         mesh, split = self._split(whole, stages)
         referenced = int((np.bincount(merged, minlength=n) > 0).sum())
         done = {
-            "welded_vertices": int((merged != np.arange(n)).sum()),
+            "merged_vertices": int((merged != np.arange(n)).sum()),
             "removed_triangles": len(self.triangles) - len(kept),
             "removed_fins": fins,
             "split_edges": len(t) - len(kept),
             "split_vertices": split,
-            "turned_triangles": int((whole[: len(t)] != t).any(axis=1).sum()),
+            "reoriented_triangles": int((whole[: len(t)] != t).any(axis=1).sum()),
             "filled_holes": len(np.unique(hole[used])),
             "filling_triangles": int(used.sum()),
             "removed_vertices": referenced + split - len(mesh[0]),

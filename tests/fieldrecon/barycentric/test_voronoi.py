@@ -10,9 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fieldrecon._core.chunks import Inline
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
-from fieldrecon.barycentric.voronoi import VoronoiCell, voronoi_weights
+from fieldrecon.barycentric.voronoi import VoronoiCell, _ranked, voronoi_weights
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
+from laws import assert_counted, assert_same_bits
 from polytopes import HEXAGON, PYRAMID, RHOMBIC_DODECAHEDRON, kuhn, regular, star, voronoi_cell
 from rational import determinant, dot, solved
 
@@ -246,6 +248,19 @@ def test_voronoi_weights_equal_those_of_single_cells(d):
     assert abs(h.toarray() - expected[order]).max() < 1e-9
 
 
+def test_voronoi_weights_do_not_depend_on_the_executor():
+    """The same bits, and progress counts the queries up to their number."""
+    mesh, calls = random_mesh(2), []
+    vertices = inner(mesh)
+    x = mesh.points[vertices] + 1e-3
+    here = voronoi_weights(mesh, vertices, x)
+    there = voronoi_weights(
+        mesh, vertices, x, executor=Inline(), progress=lambda *call: calls.append(call)
+    )
+    assert_same_bits(there, here)
+    assert_counted(calls, len(vertices))
+
+
 def test_one_vertex_may_be_given_for_all_queries():
     """Leading axes of the queries are flattened, as in the weights of a method."""
     mesh = random_mesh(2)
@@ -328,6 +343,28 @@ def test_poles_outside_are_refused():
         voronoi_weights(star(square), 0, [-1.5, -2.0])
 
 
+def weighted_corner(edges, x, volume):
+    """w_a (p_a - x), with the circumcentre p_a of a cell at the origin; exact."""
+    corner = solved(edges, [dot(e, e) / 2 for e in edges])
+    weight = volume / math.prod(dot(e, e) / 2 - dot(e, x) for e in edges)
+    return [weight * (p - t) for p, t in zip(corner, x, strict=True)]
+
+
+def test_a_folded_star_has_no_linear_precision():
+    """At about 0°, 100°, 80°, 200° and 290°: two cells at a face can lie on the same side of it.
+
+    With the signed volume of the second cell, which is negative, the sum is zero.
+    """
+    rim = [[Fraction(k) for k in v] for v in ([6, 0], [-1, 6], [1, 5], [-6, -2], [2, -6])]
+    x = [Fraction(1, 7), Fraction(2, 7)]
+    cells = list(zip(rim, [*rim[1:], rim[0]], strict=True))
+    volumes = [determinant(list(edges)) for edges in cells]
+    assert [v > 0 for v in volumes] == [True, False, True, True, True]
+    for measured, precise in (([abs(v) for v in volumes], False), (volumes, True)):
+        terms = [weighted_corner(e, x, v) for e, v in zip(cells, measured, strict=True)]
+        assert ([sum(column) for column in zip(*terms, strict=True)] == [0, 0]) == precise
+
+
 def test_linear_precision_of_any_star_in_any_dimension():
     """Exact, for positively oriented cells that surround x_i, mostly not Delaunay; no fan."""
     rng = np.random.default_rng(4)
@@ -344,8 +381,15 @@ def test_linear_precision_of_any_star_in_any_dimension():
             edges = [spokes[j, sign] for j, sign in enumerate(signs)]
             volume = determinant(edges) * math.prod(signs)  # times d!
             assert volume > 0
-            corner = solved(edges, [dot(e, e) / 2 for e in edges])
-            weight = volume / math.prod(dot(e, e) / 2 - dot(e, x) for e in edges)
-            terms.append([weight * (p - t) for p, t in zip(corner, x, strict=True)])
+            terms.append(weighted_corner(edges, x, volume))
         assert [sum(column) for column in zip(*terms, strict=True)] == [0] * d
         assert any(sum(column) != 0 for column in zip(*terms[1:], strict=True))
+
+
+def test_distinct_entries_of_rows_and_their_ranks():
+    """Each row by itself, as by `numpy.unique`."""
+    a = np.random.default_rng(6).integers(0, 5, (20, 6))
+    distinct, valid, ranks = _ranked(a)
+    for row, found, there, rank in zip(a, distinct, valid, ranks, strict=True):
+        np.testing.assert_array_equal(found[there], np.unique(row))
+        np.testing.assert_array_equal(found[rank], row)

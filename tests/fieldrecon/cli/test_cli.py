@@ -166,8 +166,20 @@ def test_reconstruct_writes_a_grid(capsys, tmp_path, survey, options, compared):
     assert f"Evaluated: {methods[0]['method']}," in shown
     for name in ("reconstruction", "error"):
         assert (out / f"{name}.png").read_bytes().startswith(b"\x89PNG")
-        assert b"<svg" in (out / f"{name}.svg").read_bytes()
+        assert not (out / f"{name}.svg").exists(), "no other pictures unasked: they take time"
     assert {str(path) for path in out.iterdir()} <= set(shown.split())
+
+
+@pytest.mark.slow
+def test_reconstruct_writes_pictures_in_the_given_formats(tmp_path, survey):
+    """Each picture in each of them, and in no other one."""
+    grid = "--method", "ls1", "--grid", "4x3"
+    assert reconstruct(survey, tmp_path, *grid, "--pictures", "svg,.PDF") == 0
+    pictures = {path for path in tmp_path.iterdir() if path.suffix in {".svg", ".pdf", ".png"}}
+    assert {path.suffix for path in pictures} == {".svg", ".pdf"}
+    assert {path.stem for path in pictures} >= {"reconstruction", "error"}
+    for path in pictures:
+        assert (b"%PDF" if path.suffix == ".pdf" else b"<svg") in path.read_bytes()[:2000]
 
 
 @pytest.mark.slow
@@ -182,6 +194,22 @@ def test_the_grid_is_within_its_error_estimate(tmp_path, survey):
     true_error = abs(values - truth)[flags == 0]
     assert np.mean(true_error <= error[flags == 0]) > 0.9
     assert np.median(error[flags == 0]) < 0.5 * np.std(truth)
+
+
+def test_several_values_are_given_by_repeating_the_option(tmp_path):
+    """One is given in the same way; both are planes, which the method reproduces."""
+    x, slopes = uniform(20, 2, seed=0), np.array([[2.0, -1.0], [0.5, 3.0]])
+    table, out = tmp_path / "planes.csv", tmp_path / "a.csv"
+    table.write_bytes(csv_bytes(("x", "y", "f", "g"), np.hstack([x, x @ slopes]).tolist()))
+    for names in ("f", "fg"):
+        options = [part for name in names for part in ("--value", name)]
+        options += ["--method", "ls1", "--grid", "3x2", "--out", str(out)]
+        assert main(["reconstruct", str(table), *options]) == 0
+        rows = read_csv(out)
+        at, found = (
+            [[float(row[c]) for c in columns] for row in rows] for columns in ("xy", names)
+        )
+        np.testing.assert_allclose(found, np.array(at) @ slopes[:, : len(names)], atol=1e-9)
 
 
 @pytest.mark.slow
@@ -492,6 +520,10 @@ def test_many_samples_are_cross_validated_in_windows(tmp_path, capsys):
         (["reconstruct", "SURVEY", "--out", "a.tif"], "there is no format 'tif'; there are csv,"),
         (["reconstruct", "SURVEY", "--format", "tif"], "there is no format 'tif'; there are csv,"),
         (["reconstruct", "SURVEY", "--out", "a.nc", "--format", "csv"], "names another format"),
+        (
+            ["reconstruct", "SURVEY", "--pictures", "png,jpg"],
+            "no pictures as 'jpg'; there are",
+        ),
         (["reconstruct", "SURVEY", "--out", "SURVEY"], "is read, and would be overwritten"),
         (["reconstruct", "SURVEY", "--save", "SURVEY"], "is read, and would be overwritten"),
         (["reconstruct"], "give either a table of samples or --load with a field"),
@@ -566,3 +598,12 @@ def test_report_command_has_its_options(capsys):
     with pytest.raises(SystemExit, match="0"):
         main(["report", "--help"])
     assert "--check-reproducible" in capsys.readouterr().out
+
+
+def test_help_says_which_column_makes_points_of_space(capsys):
+    """It is that of z, and not those of x and y."""
+    with pytest.raises(SystemExit, match="0"):
+        main(["reconstruct", "--help"])
+    shown = " ".join(capsys.readouterr().out.split())
+    for name, more in (("x", " --y"), ("y", " --z"), ("z", ", of points in space --value")):
+        assert f"the column that holds {name}{more}" in shown

@@ -3,10 +3,46 @@
 import numpy as np
 
 import fieldrecon as fr
+from fieldrecon.triangles import distances_to_triangles
 from laws import assert_close
 
 PLANE = fr.datasets.halton(30, 2)
 SPACE = fr.datasets.halton(30, 3)
+NONE, NO_TRIANGLES = np.zeros((0, 3)), np.zeros((0, 3), dtype=int)
+OF_NOTHING = {
+    "halton": lambda: fr.datasets.halton(0, 3),
+    "scrambled halton": lambda: fr.datasets.halton(0, 3, seed=1),
+    "uniform": lambda: fr.datasets.uniform(0, 3, seed=1),
+    "clustered": lambda: fr.datasets.clustered(0, 3, 2, 0.1, seed=1),
+    "off_surface_points": lambda: fr.off_surface_points(NONE, NONE).points,
+    "off_surface_points at a distance": lambda: fr.off_surface_points(NONE, NONE, 0.5).points,
+    "classified_points": lambda: fr.surfaces.classified_points(SPACE, SPACE + 1, NONE).points,
+    "departure_points": lambda: fr.departure_points(NONE, lambda x, _: x, 0.0, 0.1),
+    "audit_mesh": lambda: fr.audit_mesh(NONE, NO_TRIANGLES).crossings,
+    "repair_mesh": lambda: fr.repair_mesh(NONE, NO_TRIANGLES).points,
+    "repair_mesh of points": lambda: fr.repair_mesh(SPACE, NO_TRIANGLES).triangles,
+    "distances_to_triangles": lambda: distances_to_triangles(NONE, np.eye(3), [[0, 1, 2]]),
+    "distances to none": lambda: distances_to_triangles(NONE, NONE, NO_TRIANGLES),
+}
+
+
+def test_no_points_give_empty_results():
+    """Functions of points take none of them."""
+    for name, of_nothing in OF_NOTHING.items():
+        assert len(of_nothing()) == 0, name
+
+
+def test_a_mesh_without_triangles_has_loose_vertices_only():
+    """They are removed by its repair, and no triangle is nearer than infinity."""
+    audit = fr.audit_mesh(SPACE, NO_TRIANGLES)
+    assert audit.found == {"unreferenced_vertices": 30}
+    repaired = fr.repair_mesh(SPACE, NO_TRIANGLES)
+    assert repaired.points.shape == repaired.triangles.shape == (0, 3)
+    assert repaired.done == {"removed_vertices": 30}
+    assert repaired.after.clean
+    assert fr.audit_mesh(NONE, NO_TRIANGLES).clean
+    far = distances_to_triangles(SPACE, SPACE, NO_TRIANGLES)
+    assert_close(1 / far, np.zeros(30), 0.0)
 
 
 def test_no_points_have_no_departure_points():

@@ -2,8 +2,12 @@
 
 import os
 import signal
+import warnings
+from multiprocessing.process import BaseProcess
+from types import SimpleNamespace
 
-from fieldrecon._core.worker_processes import WorkerPool, _ctrl_c_blocked
+from fieldrecon._core import worker_processes
+from fieldrecon._core.worker_processes import WorkerPool, _ctrl_c_blocked, start_process
 
 
 def prepare() -> None:
@@ -22,3 +26,19 @@ def test_ctrl_c_is_blocked_while_a_worker_is_started():
     with _ctrl_c_blocked():
         assert signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
+class WarnsOfThreads(BaseProcess):
+    """A process that only warns, as a fork beside threads does since Python 3.12."""
+
+    def start(self) -> None:
+        warnings.warn("this process is multi-threaded", DeprecationWarning, stacklevel=1)
+
+
+def test_a_worker_is_started_without_the_warning_about_threads(monkeypatch, recwarn):
+    """The other threads of a worker only wait."""
+    monkeypatch.setattr(
+        worker_processes, "_context", lambda: SimpleNamespace(Process=WarnsOfThreads)
+    )
+    start_process(os.getpid)
+    assert len(recwarn) == 0

@@ -102,9 +102,9 @@ def test_clustered_points_are_closer_than_uniform_points():
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: uniform(0, 2, seed=0), "n must be an integer, 1 or more; got 0"),
+        (lambda: uniform(-1, 2, seed=0), "n must be an integer, 0 or more; got -1"),
         (lambda: uniform(3, 2.5, seed=0), "d must be an integer, 1 or more; got 2.5"),
-        (lambda: halton(True, 2), "n must be an integer, 1 or more; got True"),
+        (lambda: halton(True, 2), "n must be an integer, 0 or more; got True"),
         (lambda: jittered_grid(3, 2, 1.5, seed=0), "jitter must be between 0 and 1; got 1.5"),
         (lambda: clustered(9, 2, 0, 0.1, seed=0), "clusters must be an integer, 1 or more"),
         (lambda: clustered(9, 2, 2, math.nan, seed=0), "spread must be a positive number; got nan"),

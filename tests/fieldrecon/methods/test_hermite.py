@@ -295,6 +295,21 @@ def test_values_alone_equal_rbf():
         assert_close(field(QUERIES), RBF(SITES, kernel).field(wave(SITES))(QUERIES), 1e-8)
 
 
+def test_mapped_points_and_directions_have_the_distances_of_a_metric():
+    """With M = L^T L: values as by `RBF` with the metric M, and derivatives along b in x."""
+    metric = np.array([[4.0, 1.0], [1.0, 2.0]])
+    to = np.linalg.cholesky(metric)
+    values = np.cos(3 * SITES[:, 0] + SITES[:, 1])
+    s = HermiteRBF(values_at(SITES @ to), polyharmonic(3)).field(values)
+    by_metric = RBF(SITES, polyharmonic(3), metric=metric).field(values)
+    assert_close(s(QUERIES @ to), by_metric(QUERIES), 1e-10)
+    both = [values_at(SITES @ to), derivatives_at(SITES @ to, NORMALS @ to)]
+    slopes = np.sin(np.arange(24.0))
+    s = HermiteRBF(both, polyharmonic(5)).field(np.append(values, slopes))
+    along = np.einsum("nd,nd->n", s.gradient(SITES @ to) @ to.T, NORMALS)
+    assert_close(along, slopes, 1e-7)
+
+
 def test_values_and_slopes_on_a_line_are_the_cubic_hermite_spline():
     """r³ minimizes ∫ s''².
 

@@ -1,5 +1,6 @@
 """Least squares: normal equations of the slides, NumPy, rational arithmetic and refusals."""
 
+import re
 from fractions import Fraction
 
 import numpy as np
@@ -202,6 +203,25 @@ def test_coefficients_that_cancel_are_refused():
     assert_close(monomials(points, 15) @ m.coefficients(f), m.field(f)(points), 1e-9)
     with refused("degree 40 are so large that they cancel: .* field", np.linalg.LinAlgError):
         LeastSquares(points, degree).coefficients(f)
+
+
+def test_a_degree_that_is_too_high_is_refused_and_the_highest_is_named():
+    """A hundred distinct points determine degree 99; the slopes between them are the limit.
+
+    Chebyshev points, where slopes are moderate, take any degree; points too few are to blame.
+    """
+    line, above = np.linspace(-1, 1, 100), np.cos(np.pi * (np.arange(100) + 0.5) / 100)
+    assert LeastSquares(above[:, None], 99).interpolates
+    for points in (line[:, None], line[:, None] + 1e6):
+        with pytest.raises(np.linalg.LinAlgError, match="degree 95 is too high") as refusal:
+            LeastSquares(points, 95)
+        last = int(re.search(r"highest degree for them is (\d+)", str(refusal.value))[1])
+        assert 2 * np.sqrt(100) < last < 95
+        assert_close(LeastSquares(points, last).weights(points).sum(axis=1), np.ones(100), 1e-9)
+        with refused(f"degree {last + 1} is too high", np.linalg.LinAlgError):
+            LeastSquares(points, last + 1)
+    with refused("the points do not determine .* rank 20 of 31", np.linalg.LinAlgError):
+        LeastSquares(np.repeat(line[:20, None], 10, axis=0), 30)
 
 
 def test_the_rank_is_that_of_the_geometry():

@@ -12,10 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fieldrecon._core import chunks as _chunks
-from fieldrecon._numerics.kd_partition import KDPartition
+from fieldrecon._numerics.kd_partition import KDPartition, halved
 from fieldrecon.datasets.synthetic import clustered, franke, halton, uniform
-from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
-from fieldrecon.kernels.positive_definite import gaussian
+from fieldrecon.kernels.conditionally_positive_definite import (
+    multiquadric,
+    polyharmonic,
+    thin_plate_spline,
+)
+from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.partition_of_unity import blending as _blending
 from fieldrecon.methods.partition_of_unity import patches as _patches
@@ -62,6 +66,9 @@ def test_boxes_contain_each_site_once_in_nearly_equal_numbers(n, d):
     assert sorted(boxes.sites[there]) == list(range(n))
     box = np.nonzero(there)[0]
     np.testing.assert_array_equal(boxes.containing(x[boxes.sites[there]]), box)
+    for last in range(min(n, 9) if n > 1 else 0):  # whichever site is the last of its row
+        rows = np.roll(np.arange(n), last)[None]
+        assert halved(rows, x.T[:, rows])[0] == np.ptp(x, axis=0).argmax()
 
 
 @pytest.mark.slow
@@ -92,6 +99,35 @@ def test_levels_have_decreasing_numbers_of_sites(k):
     sizes = np.array([len(level.sites) for level in levels])
     assert (sizes[1:] < sizes[:-1] / 2).all()
     assert len(levels[-1].patches) == 1
+
+
+def test_levels_of_sites_on_an_axis_are_those_of_one_variable():
+    """A coordinate that all sites have in common has no extreme sites."""
+    line = np.random.default_rng(4).random((200, 1))
+    in_plane = np.column_stack([np.full(200, 0.3), line])
+    found = [PartitionOfUnityRBF(x, polyharmonic(1), 0, 30)._levels for x in (line, in_plane)]
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_array_equal(one.sites, other.sites)
+
+
+def test_methods_on_the_same_sites_share_their_patches():
+    """Kernel, degree and smoothing may differ; the fields are those of methods of their own."""
+    x, others = X[:400], uniform(400, 2, seed=8)
+    settings = [
+        (x, polyharmonic(3), 3, 40),
+        (x, polyharmonic(1), 0, 40, 1e-3),
+        (x, polyharmonic(3), 3, 60),
+        (others, polyharmonic(3), 3, 40),
+        (x, thin_plate_spline(), 2, 40),
+    ]
+    with _blending.shared_patches():
+        shared = [PartitionOfUnityRBF(*one) for one in settings]
+    for one, method in zip(settings, shared, strict=True):
+        fields = [m.field(wave(m.points)) for m in (method, PartitionOfUnityRBF(*one))]
+        assert_same_bits(*(field(x[:50] + 0.001) for field in fields))
+    patches = [method._levels[0].patches for method in shared]
+    assert [one is patches[0] for one in patches] == [True, True, False, False, True]
+    assert PartitionOfUnityRBF(*settings[0])._levels[0].patches is not patches[0]
 
 
 @pytest.mark.parametrize("d", [1, 2, 3])
@@ -202,6 +238,29 @@ def test_data_too_large_are_refused():
         PartitionOfUnityRBF(X).field(np.full(len(X), 1.7e308))
 
 
+def test_patches_interpolate_if_and_only_if_rounding_lets_them():
+    """On a line of sites, weights at the sites are one and zero until the kernel is too flat.
+
+    Between the scales of the two sides, rounding decides: of an error of the size of 1e-6.
+    """
+    x = (np.arange(60.0) / 60)[:, None] * np.array([1.0, 0.3])
+    for kernel in (gaussian, inverse_multiquadric, multiquadric):
+        for scale, meets in ((0.01, True), (0.02, True), (0.2, False), (1.0, False)):
+            m = PartitionOfUnityRBF(x, kernel(scale), 1)
+            assert m.interpolates is meets, f"{kernel.__name__} of scale {scale}"
+            deviation = np.abs(m.weights(x).toarray() - np.eye(60)).max()
+            assert (deviation < 1e-5) == meets, f"deviates by {deviation:.1e}"
+
+
+def test_weights_of_flat_kernels_on_a_line_are_bounded():
+    """Sites in their order along a line: a smooth right-hand side would not show the rounding."""
+    x = (np.arange(60.0) / 60)[:, None] * np.array([1.0, 0.3])
+    for kernel in (gaussian, inverse_multiquadric, multiquadric):
+        for scale in (0.05, 0.1, 0.15, 0.2, 0.3, 1.0):
+            h = PartitionOfUnityRBF(x, kernel(scale), 1).weights(x)
+            assert np.abs(h.toarray()).sum(axis=1).max() < 5, f"{kernel.__name__} of scale {scale}"
+
+
 def test_a_kernel_too_flat_for_rough_data_is_refused():
     """The message has the location of the patch, in the coordinates of the sites."""
     low, high = np.array([500.0, 20.0]), np.array([501.0, 22.0])
@@ -297,6 +356,17 @@ def test_sites_on_a_line_use_the_polynomials_of_one_variable():
     assert_close(
         s(np.outer(t[:-1] + np.diff(t) / 2, [1.0, 2.0, 3.0])), (t[:-1] + np.diff(t) / 2) ** 3, 1e-9
     )
+
+
+def test_rounding_of_coordinates_far_from_the_origin_is_no_second_variable():
+    """On a line 10¹⁰ away, the patches of a plane have the polynomials of the line only."""
+    along, across = np.array([1.0, 2.0]), np.array([2.0, -1.0])
+    t = (np.arange(1000) + 0.3 * np.random.default_rng(3).random(1000)) / 1000
+    for offset in (0.0, 1e10):
+        m = PartitionOfUnityRBF(np.outer(t, along) + offset, polyharmonic(3), 1, 12)
+        assert m.reduced == sum(len(level.patches) for level in m._levels)
+        gradient = m.field(t).gradient(np.outer(t[:-1] + np.diff(t) / 2, along) + offset)
+        assert_close(gradient @ across, np.zeros(999), 1e-2)
 
 
 def test_patches_on_scan_lines_grow_until_they_are_unisolvent():

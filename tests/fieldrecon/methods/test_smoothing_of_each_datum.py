@@ -82,7 +82,7 @@ def data_with_zero_are_interpolated(make: Make) -> None:
 
 def data_with_a_huge_entry_have_no_influence(make: Make) -> None:
     """However large the entry is, nothing else loses digits."""
-    outliers = np.arange(N) % 10 == 1
+    outliers = np.arange(N) % 8 == 1  # the last site among them
     for huge in (1e12, 1e30, 1e120):
         m = make(X, np.where(outliers, huge, EACH))
         h = laws.dense(m.weights(QUERIES))

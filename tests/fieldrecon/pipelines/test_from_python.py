@@ -9,6 +9,7 @@ import pandas as pd
 import pyarrow as pa
 import pytest
 import xarray as xr
+from scipy.spatial.distance import cdist
 
 import fieldrecon as fr
 from fieldrecon.cli.main import main
@@ -126,6 +127,18 @@ def test_uncertain_samples_count_less(method, lonlat):
     assert "The smoothing is proportional to the variances of the samples." in again.warnings
     equal = plane(table, value="depth", sigma="std", method="ls1")
     assert any(w.startswith("The method takes all samples as equally") for w in equal.warnings)
+
+
+@pytest.mark.slow
+def test_the_smoothing_is_proportional_to_the_variances():
+    """And so to the squares of the standard deviations."""
+    sigma = np.linspace(0.1, 1.0, 60)
+    noise = sigma * np.random.default_rng(1).standard_normal(60)
+    smoothing = plane(
+        POINTS, value=PLANE + noise, sigma=sigma, method="smooth"
+    ).field.method.smoothing
+    assert smoothing[0] > 0
+    np.testing.assert_allclose(smoothing / sigma**2, smoothing[0] / sigma[0] ** 2, rtol=1e-12)
 
 
 @pytest.mark.slow
@@ -358,6 +371,8 @@ def test_the_result_describes_itself(tmp_path):
     survey = plane(FRAME)
     assert repr(survey).startswith("<SurveyResult: depth [m] from 60 samples of data frame, at 6 ")
     assert survey.method == "ls1, least squares, plane"
+    own = np.sort(cdist(POINTS, POINTS) + 9 * np.eye(60), axis=1)[:, 0]
+    np.testing.assert_allclose(survey.validations[0].leave_one_out, np.sort(own))
     assert "rms error" in repr(survey.scores[0])
     assert "<SurveyResult" not in (page := survey.report(tmp_path / "a.html").read_text())
     assert page.count("<img") == 6

@@ -304,7 +304,7 @@ def test_extents_in_other_units_are_reported(table):
         read_samples(table("x,y,v\n" + "".join(f"{a * x},{y},1\n" for x, y in points))).warnings
         for a in (1e4, 2.0)
     ]
-    assert "convert one of them" in said[0][0]
+    assert "convert one of them, or divide x by 1e+04" in said[0][0]
     assert said[1] == []
 
 
@@ -486,6 +486,26 @@ def test_collinear_and_coplanar_samples_are_refused(offset, directions, words):
     samples = Samples(("x",) * (points.shape[1] + 1), points, points[:, 0])
     with pytest.raises(np.linalg.LinAlgError, match=words):
         refuse_flat(samples)
+
+
+@pytest.mark.parametrize(("scales", "divided"), [([1e9, 1], "x"), ([1, 1e12], "y")])
+def test_the_remedy_for_different_units_makes_the_samples_acceptable(scales, divided):
+    """Points on a line in any units, such as (1, 2) t, have no such remedy."""
+
+    def refused(points):
+        with pytest.raises(np.linalg.LinAlgError) as caught:
+            refuse_flat(Samples(("x", "y", "v"), points, points[:, 0]))
+        return str(caught.value)
+
+    points = uniform(50, 2, seed=0) * scales
+    message = refused(points)
+    name, factor = message.rpartition("divide ")[2].split(" by ")
+    assert name == divided
+    points[:, "xy".index(name)] /= float(factor)
+    refuse_flat(Samples(("x", "y", "v"), points, points[:, 0]))
+    line = np.outer(uniform(50, 1, seed=0), [1.0, 2.0])
+    for flat in (line * scales, line * [1, 0] + [0, 1 / 3]):
+        assert "units differ" not in refused(flat)
 
 
 def test_a_narrow_strip_is_not_flat():

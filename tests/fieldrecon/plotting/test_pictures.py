@@ -8,9 +8,12 @@ import pytest
 
 from fieldrecon.io.targets import Targets, TargetValues, grid_nodes
 from fieldrecon.pages.reconstruction_page import _flattened
+from fieldrecon.pipelines.validation import Validation
+from fieldrecon.pipelines.variograms import variogram
 from fieldrecon.plotting.field_pictures import _draw_scattered, _drawn, _set_axes
-from fieldrecon.plotting.mesh_pictures import marks, plot_audit
-from fieldrecon.plotting.style import figure
+from fieldrecon.plotting.mesh_pictures import Marks, MeshPicture, draw, marks, plot_audit
+from fieldrecon.plotting.style import PLAIN_NUMBERS, figure
+from fieldrecon.plotting.validation_pictures import plot_distances, plot_variogram
 from fieldrecon.triangles.audit import audit_mesh
 from fieldreport.experiments.triangles.triangle_shapes import cube
 
@@ -47,6 +50,33 @@ def test_only_a_picture_with_errors_has_a_legend(damaged):
     triangles = triangles[int(damaged) :]
     page = plot_audit(audit_mesh(points, triangles), points, triangles)
     assert len(page.legends) == damaged
+
+
+def test_visible_marks_are_filled_and_opaque_and_hidden_ones_are_not():
+    """The eight corners of a cube, of which the viewer sees seven."""
+    points, triangles = cube(1)
+    none = np.empty(0, dtype=int)
+    found = {"bow_tie_vertices": Marks(none, np.empty((0, 2), dtype=int), np.arange(8))}
+    with figure() as (_, axes):
+        draw(axes, points, triangles, found, np.array([1.0, 1.1, 1.2]), pixels=60)
+        hidden, visible = axes.lines
+    assert (len(hidden.get_xdata()), len(visible.get_xdata())) == (1, 7)
+    assert (hidden.get_markerfacecolor(), visible.get_markerfacecolor() == "none") == (
+        "none",
+        False,
+    )
+    assert hidden.get_alpha() < visible.get_alpha() == 1.0
+
+
+def test_edges_of_large_triangles_are_drawn_darker():
+    """A single triangle has two colours, and the darker one at its edges."""
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 1]])
+    image = MeshPicture(points, np.array([[0, 1, 2]]), np.array([0, -1, 0]), 60).image()
+    light = image[..., :3].sum(axis=2)[image[..., 3] > 0]
+    middle, edge = light.max(), light.min()
+    assert edge < 0.9 * middle
+    assert np.isclose(light, middle).mean() > 0.5
+    assert (np.isclose(light, middle) | np.isclose(light, edge)).all()
 
 
 @pytest.mark.parametrize(("number", "size"), [(20, 30.0), (500, 4.0), (5000, 1.0)])
@@ -102,6 +132,18 @@ def test_a_saved_figure_has_no_date(kind):
     assert not re.search(rb"<dc:date>|CreationDate|Creation Time", buffer.getvalue())
 
 
+@pytest.mark.parametrize(("middle", "stretch"), [(0, 1), (60, 2), (-60, 2), (88, 10), (90, 10)])
+def test_a_degree_of_latitude_is_drawn_longer_than_one_of_longitude(middle, stretch):
+    """By 1 / cos(latitude), and near a pole by ten at most."""
+    nodes = grid_nodes((np.array([0.0, 1.0]), middle + np.array([-1.0, 1.0]) / (2 * stretch)))
+    zeros = np.zeros(len(nodes))
+    targets = Targets(nodes)
+    result = TargetValues(("x", "y", "f"), targets, zeros, zeros, zeros.astype(int), lonlat=True)
+    with figure() as (_, axes):
+        _set_axes(axes, result)
+        assert axes.get_aspect() == pytest.approx(stretch)
+
+
 @pytest.mark.parametrize("sides", [(3, 2, 7), (2, 7, 3)])
 def test_a_grid_in_space_is_drawn_at_its_middle_height(sides):
     """The title has the height."""
@@ -119,3 +161,25 @@ def test_arguments_of_a_kernel_have_names_of_their_own():
     """On the page of a survey nested arguments are listed one by one."""
     described = {"name": "RBF", "kernel": {"name": "matern", "scale": 2.0}, "degree": None}
     assert _flattened(described) == {"name": "RBF", "kernel": "matern", "kernel scale": 2.0}
+
+
+def test_plain_numbers_at_an_axis_have_no_formula():
+    """Nor has the power of ten beside it."""
+    with figure(settings=PLAIN_NUMBERS) as (page, axes):
+        axes.plot([0.0, 3e9])
+        page.draw_without_rendering()
+        texts = [axes.yaxis.get_offset_text(), *axes.get_yticklabels()]
+    assert texts[0].get_text()
+    assert not any("$" in text.get_text() for text in texts)
+
+
+def test_pictures_of_distances_name_their_curves_and_show_all_of_them():
+    """Three distributions with a legend, and a variogram up to its largest distance."""
+    points = np.random.default_rng(0).random((60, 2))
+    validation = Validation(None, *np.random.default_rng(1).random((3, 9)), *np.zeros((2, 9)))
+    (axes,) = plot_distances(validation).axes
+    names = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert names == ["targets", "held-out samples", "leave-one-out"]
+    found = variogram(points, points[:, 0])
+    (axes,) = plot_variogram(found, "f").axes
+    assert axes.get_xlim() == (0.0, found.distances.max())

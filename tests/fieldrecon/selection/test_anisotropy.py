@@ -78,6 +78,19 @@ def test_the_direction_is_found_where_there_is_one(name):
 
 
 @pytest.mark.slow
+def test_the_direction_turns_with_the_samples():
+    """By a quarter turn, which takes the four directions that are tried into each other."""
+    points = uniform(200, 2, seed=3)
+    turned = np.column_stack([-points[:, 1], points[:, 0]])
+    angles = []
+    for x in (points, turned):
+        validator = CrossValidator.of(x, slowly_along(points, ALONG))
+        _, found = find_anisotropy(validator, validator.evaluate(MODELS["cubic"]))
+        angles.append(found.angle)
+    assert (angles[1] - angles[0]) % 180 == pytest.approx(90)
+
+
+@pytest.mark.slow
 def test_none_is_found_where_there_is_none():
     """Waves of all directions, by the one-standard-error rule; least squares has no distances."""
     points = uniform(200, 2, seed=5)

@@ -1,12 +1,15 @@
 """Cross-validation at the distances of the queries selects a suitable method."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from fieldrecon import LeastSquares, leave_one_out
 from fieldrecon.datasets.synthetic import clustered, franke, halton, uniform
 from fieldrecon.selection import cross_validation as module
-from fieldrecon.selection.cross_validation import CrossValidator, ModelScore, _by_caution, best
+from fieldrecon.selection.cross_validation import CrossValidator, _least, best
+from fieldrecon.selection.model_scores import ModelScore, by_caution
 from fieldrecon.selection.models import (
     MODELS,
     Model,
@@ -128,19 +131,20 @@ def test_the_choice_holds_for_the_gaps_and_not_for_the_distances_along_the_track
 
     def errors_of(queries_or_none):
         compared = CrossValidator.of(points, values[~out], queries_or_none).compare(models)
+        accepted = [score for score in compared if score.maker]
         true = [
             np.sqrt(np.mean((s.maker(points).field(values[~out])(queries) - values[out]) ** 2))
-            for s in compared
+            for s in accepted
         ]
-        chosen = min(range(len(models)), key=lambda i: compared[i].rank)
+        chosen = min(range(len(accepted)), key=lambda i: accepted[i].rank)
         return true[chosen] / min(true)
 
     assert errors_of(queries) < 1.2 < errors_of(None)
 
 
-def tracks(count=12):
-    """Samples along lines that are 16 times as far apart as the samples on them."""
-    x, y = np.meshgrid(np.arange(0, 1, 0.005), (np.arange(count) + 0.5) / count)
+def tracks(step=0.005):
+    """Samples along 12 lines that are 16 times as far apart as the samples on them."""
+    x, y = np.meshgrid(np.arange(0, 1, step), (np.arange(12) + 0.5) / 12)
     noise = np.random.default_rng(0).standard_normal(x.size)
     return np.column_stack([x.ravel(), y.ravel() + 1e-3 * noise])
 
@@ -279,8 +283,10 @@ def test_expensive_methods_need_an_explicit_request():
     assert score.residuals is None
     assert score.reason == "not tried on more than 1000 samples unasked"
     assert score.rms == np.inf
-    few = Model("few", "LS", "", MODELS["ls1"].makers, max_samples=10)
-    assert CrossValidator.of(points, franke(points)).evaluate(few, asked_for=True).rms < 0.5
+    for most, asked_for, tried in ((10, True, True), (1001, False, True), (1000, False, False)):
+        model = Model("few", "LS", "", MODELS["ls1"].makers, max_samples=most)
+        score = CrossValidator.of(points, franke(points)).evaluate(model, asked_for=asked_for)
+        assert (score.rms < 0.5) == tried
 
 
 def test_methods_with_too_few_samples_give_a_reason():
@@ -326,7 +332,7 @@ def test_of_models_with_level_errors_the_most_cautious_is_chosen():
     plate = score_of("smooth", np.sqrt(np.full(100, 10.0)))
     wave = np.tile([0.0, 2.0], 50) - 1
     for shift, chosen in ((0.05, "linear"), (0.2, "smooth")):
-        compared = _by_caution([plate, score_of("linear", np.sqrt(10 + wave + shift))])
+        compared = by_caution([plate, score_of("linear", np.sqrt(10 + wave + shift))])
         assert min(compared, key=lambda score: score.rank).model.name == chosen
 
 
@@ -340,6 +346,46 @@ def test_the_most_cautious_model_is_compared_on_all_folds():
     best = min([ls1, *splines, linear], key=lambda score: score.rank)
     assert linear.rms > 1.2 * best.rms
     assert linear.n_held_out == best.n_held_out == validator.n_held_out > ls1.n_held_out
+
+
+def test_the_parts_of_a_mean_are_compared_on_all_folds():
+    """Their residuals are known; one of them may be better than the mean."""
+    points = uniform(1000, 2, seed=0)
+    validator = CrossValidator.of(points, franke(points))
+    names = ("pu", "pu3", "pu1", "pu2", "mean")
+    held_out = {
+        score.model.name: score.n_held_out
+        for score in validator.compare([MODELS[name] for name in names])
+    }
+    assert held_out["pu1"] == held_out["pu2"] == held_out["mean"] == 1000 > held_out["pu3"]
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.3])
+def test_of_two_smoothings_that_are_level_all_folds_decide(noise):
+    """Without noise the weaker one is better, with much noise the stronger one."""
+    points = uniform(500, 2, seed=0)
+    values = franke(points) + noise * np.random.default_rng(1).standard_normal(500)
+    model = MODELS["pu2"]
+    weaker, *_, stronger = model.makers(points)[0][:5]
+    first = replace(CrossValidator.of(points, values).evaluate(model), maker=stronger)
+    for x, decided in ((None, weaker if noise == 0 else stronger), (points + 0.2, stronger)):
+        validator = CrossValidator.of(points, values, x)
+        assert validator.has_gaps == (x is not None)
+        final = validator._on_all_folds(replace(first, weaker=weaker), {})
+        assert final.maker is decided
+        assert final.n_held_out == validator.n_held_out
+
+
+@pytest.mark.parametrize(("more", "level"), [(0.05, True), (0.2, False)])
+def test_a_weaker_smoothing_is_kept_in_mind_if_it_is_level(more, level):
+    """The middle one of three has the least error; the one before it has a little more."""
+    wave = np.tile([0.0, 2.0], 50) - 1
+    squares = {"none": 10 + wave + more, "some": np.full(100, 10.0), "much": np.full(100, 20.0)}
+    found = _least(
+        [*squares], lambda name: replace(score_of("pu2", squares[name] ** 0.5), maker=name)
+    )
+    assert found.maker == "some"
+    assert found.weaker == ("none" if level else None)
 
 
 def test_the_next_best_method_replaces_one_that_fails():
@@ -357,3 +403,87 @@ def test_the_next_best_method_replaces_one_that_fails():
     assert best([good, bad], attempt) == (good, 7)
     with pytest.raises(np.linalg.LinAlgError, match="by tps: the sites about query 3"):
         best([bad], attempt)
+
+
+TRIED = ("ls1", "mls1", "mls2", "pu1", "pusmooth")
+
+
+@pytest.mark.slow
+def test_models_that_amplify_noise_at_the_queries_are_refused():
+    """Moving least squares extrapolates between tracks; at samples of a track it interpolates.
+
+    The criterion depends on the points only. Among samples everywhere no model is refused, nor is
+    the only model that is asked for.
+    """
+    points, models = tracks(1 / 300), [MODELS[name] for name in TRIED]
+    between = np.add(points, [0, 1 / 24])
+    everywhere = uniform(1500, 2, seed=0)
+    for sites, x, refused in (
+        (points, between, {"mls1", "mls2"}),
+        (everywhere, uniform(900, 2, seed=1), set()),
+        (everywhere, None, set()),
+    ):
+        for values in (franke(sites), 1.0 * (sites[:, 1] > 0.5)):
+            validator = CrossValidator.of(sites, values, x)
+            for model in models:
+                maker = model.makers(sites)[0][-1]
+                amplified = validator.amplification(maker)
+                assert (amplified > 3) == (model.name in refused)
+                assert model.name in refused or 0.5 < amplified < 1.5
+            compared = validator.compare(models)
+            found = {s.model.name for s in compared if "amplify noise" in s.reason}
+            assert found <= refused
+            assert min(compared, key=lambda score: score.rank).model.name not in refused
+    only = CrossValidator.of(points, franke(points), between).compare([MODELS["mls1"]], True)
+    assert only[0].reason == ""
+
+
+def test_the_best_score_of_an_amplifying_model_is_not_chosen(monkeypatch):
+    """Its reason gives the ratio and its error; without the criterion it would be chosen."""
+    points = uniform(150, 2, seed=0)
+    plane = points @ [2.0, 3.0] + 0.1 * np.random.default_rng(0).standard_normal(150)
+    models = [MODELS[name] for name in ("ls1", "tps")]
+    validator = CrossValidator.of(points, plane, points + 0.01)
+    first, _ = scores = validator.compare(models)
+    assert min(scores, key=lambda score: score.rank) is first
+    monkeypatch.setattr(
+        CrossValidator,
+        "amplification",
+        lambda _, maker: 9.0 if maker.func is LeastSquares else 1.0,
+    )
+    refused, chosen = validator.compare(models)
+    assert (refused.maker, refused.residuals) == (None, None)
+    assert "amplify noise 9 times as much" in refused.reason
+    assert chosen.rank < refused.rank
+    assert best([refused, chosen], field_of(points, plane))[0] is chosen
+
+
+@pytest.mark.slow
+def test_folds_are_added_until_enough_samples_are_held_out(monkeypatch):
+    """Five folds have room for few gaps between tracks; samples everywhere need no more folds."""
+    every = tracks()
+    out = np.isin(np.floor(12 * every[:, 1]), [2, 5, 9])
+    points, x = every[~out], every[out]
+    assert CrossValidator.of(points, points[:, 0], x).n_held_out >= module.SUFFICIENT
+    everywhere = CrossValidator.of(
+        uniform(1000, 2, seed=0), np.zeros(1000), uniform(500, 2, seed=1)
+    )
+    assert len(everywhere.folds) == module.FOLDS
+    monkeypatch.setattr(module, "MOST_FOLDS", module.FOLDS)
+    assert CrossValidator.of(points, points[:, 0], x).n_held_out < module.SUFFICIENT
+
+
+def test_near_duplicates_do_not_change_the_unit_of_smoothing():
+    """Stations that are measured again and again, a billionth of the extent apart."""
+    points = uniform(300, 2, seed=0)
+    shifts = 1e-9 * np.random.default_rng(0).standard_normal((8, 1, 2))
+    for name, model in ALONE.items():
+        if name in ("pu1", "pu2", "pusmooth"):
+            once, often = (
+                model.makers(p)[0][-1] for p in (points, np.concatenate(points + shifts))
+            )
+            ratio = often.keywords["smoothing"] / once.keywords["smoothing"]
+            assert 0.9 < ratio < 1.1
+            moved = model.makers(1024 * points)[0][-1].keywords["smoothing"]
+            power = {"pu1": 1, "pu2": 2, "pusmooth": 3}[name]
+            assert moved == pytest.approx(1024**power * once.keywords["smoothing"])

@@ -174,6 +174,45 @@ def field(kind, points, seed):
     }[kind]
 
 
+def split(by, ratio, kind, seed):
+    """Samples of tracks and their values, and those of whole lines, or random ones, held out."""
+    every = tracks(ratio, seed)
+    values = field(kind, every, seed)
+    rng = np.random.default_rng(seed + 10)
+    out = rng.random(len(every)) < 0.2
+    if by == "lines":
+        lines = LINES[ratio]
+        drawn = rng.permutation(np.arange(1, lines - 1))[: lines // 4]
+        out = np.isin(np.floor(lines * every[:, 1]), drawn)
+    return every[~out], values[~out], every[out], values[out]
+
+
+def one(name):
+    return lambda validator: validator.evaluate(fr.selection.MODELS[name])
+
+
+def best_of_all(validator):
+    compared = validator.compare([*fr.selection.MODELS.values()])
+    return min(compared, key=lambda score: score.rank)
+
+
+def field_and_band(points, values, x, queries, choose):
+    """The field and the band, at x, of the model that is chosen for the queries."""
+    validator = fr.selection.CrossValidator.of(points, values, queries)
+    score = choose(validator)
+    method = score.maker(points)
+    residuals = validator.residuals(score.maker)
+    band = ErrorBand(points, validator.folds, residuals, fr.leave_one_out(method, values))
+    return method.field(values)(x), band(x)
+
+
+def coverage_and_width(field, band, truth):
+    """Fraction covered, and the mean width over that of the narrowest constant band of as much."""
+    error = abs(field - truth)
+    covered = np.mean(error <= band)
+    return covered, band.mean() / np.quantile(error, covered)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["waves", "noise", "trend", "step"])
 @pytest.mark.parametrize("ratio", [1, 5, 50])
@@ -183,25 +222,38 @@ def test_on_tracks_the_band_covers_whole_lines_and_random_samples(by, ratio, kin
 
     The mean width is at most twice that of the narrowest constant band of the same coverage.
     """
-    covered, widths = [], []
-    for seed in range(3):
-        every = tracks(ratio, seed)
-        values = field(kind, every, seed)
-        rng = np.random.default_rng(seed + 10)
-        out = rng.random(len(every)) < 0.2
-        if by == "lines":
-            lines = LINES[ratio]
-            drawn = rng.permutation(np.arange(1, lines - 1))[: lines // 4]
-            out = np.isin(np.floor(lines * every[:, 1]), drawn)
-        points, x = every[~out], every[out]
-        validator = fr.selection.CrossValidator.of(points, values[~out], x)
-        score = validator.evaluate(fr.selection.MODELS["pu1"])
-        method = score.maker(points)
-        own = fr.leave_one_out(method, values[~out])
-        band = ErrorBand(points, validator.folds, score.residuals, own)
-        error = abs(method.field(values[~out])(x) - values[out])
-        covered.append(np.mean(error <= band(x)))
-        widths.append(band(x).mean() / np.quantile(error, covered[-1]))
+    holds_its_promise(by, ratio, kind, range(3), one("pu1"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("ratio", "kind"), [(5, "noise"), (5, "step"), (50, "waves"), (50, "noise"), (50, "step")]
+)
+def test_on_tracks_the_band_of_the_chosen_method_covers_whole_lines(ratio, kind):
+    """Except for smooth fields on nearly regular tracks: two adjacent ones may be missing."""
+    holds_its_promise("lines", ratio, kind, range(2), best_of_all)
+
+
+def holds_its_promise(by, ratio, kind, seeds, choose):
+    found = []
+    for seed in seeds:
+        points, values, x, truth = split(by, ratio, kind, seed)
+        found.append(coverage_and_width(*field_and_band(points, values, x, x, choose), truth))
+    covered, width = np.mean(found, axis=0)
     low, high = (0.85, 1.0) if by == "lines" else (0.90, 0.995)
-    assert low <= np.mean(covered) <= high
-    assert np.mean(widths) <= 2
+    assert low <= covered <= high
+    assert width <= 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["waves", "trend"])
+def test_bands_along_the_tracks_and_wider_bands_break_these_laws(kind):
+    """Leave-one-out, without the queries, covers too few; thrice the band is too wide.
+
+    Noise would hide the first: it is the same along the tracks and between them.
+    """
+    points, values, x, truth = split("lines", 50, kind, 0)
+    covered, _ = coverage_and_width(*field_and_band(points, values, x, None, one("pu2")), truth)
+    assert covered < 0.85
+    field, band = field_and_band(points, values, x, x, one("pu2"))
+    assert coverage_and_width(field, 3 * band, truth)[1] > 2

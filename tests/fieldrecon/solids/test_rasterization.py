@@ -1,5 +1,7 @@
 """Rasterization of triangles: the same picture as by ray tracing, hidden parts, colours."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -38,3 +40,13 @@ def test_the_nearest_triangle_is_visible_in_its_own_colour():
         assert (image[..., 0] > image[..., 2]).all()
     behind = rasterized(points, triangles[2:], view, blue)
     assert (behind[..., 2] > behind[..., 0]).all()
+
+
+def test_what_lies_beside_the_view_leaves_no_pixel():
+    """A triangle to the left or right, above or below, or beyond a corner, near or far."""
+    triangle = np.array([[0.0, 0, 0], [0.25, 0, 0], [0, 0, 0.25]])
+    view = fr.solids.View.of_box([[-1.0] * 3, [1.0] * 3], (0, -1, 0), 21)
+    for far in (1.3, 1.6, 5.0):
+        for right, up in product((-far, 0.5, far), repeat=2):
+            image = rasterized(triangle + np.array([right, 0, up]), np.array([[0, 1, 2]]), view)
+            assert (image[..., 3] > 0).any() == (right == up == 0.5)

@@ -171,6 +171,7 @@ def test_noise_is_along_the_normal():
     rough = roughened(points, normals, 0.05, seed=6)
     assert np.linalg.norm(rough, axis=1).std() == pytest.approx(0.05, rel=0.05)
     assert_close(np.cross(rough, points), np.zeros_like(points), 1e-12)
+    np.testing.assert_array_equal(roughened(points, normals, 0.0, seed=6), points)
 
 
 def test_a_scan_omits_hidden_points():

@@ -218,6 +218,16 @@ def test_too_many_polygons_to_enclose_are_refused(monkeypatch):
         fr.surfaces.PolygonSoup(*sphere(1), 0.1).enclosing()
 
 
+@pytest.mark.parametrize("last", [0.0, 0.3, 1.0])
+def test_points_on_triangles_include_the_corners_of_each(last):
+    """Also of a triangle whose corners coincide, beside one without or with cuts, or alone."""
+    point = np.full((1, 3, 3), 7.0)
+    other = np.array([[[0.0, 0, 0], [last, 0, 0], [0, last, 0]]])
+    for corners in (point, np.concatenate([other, point])):
+        found = polygon_soup.points_on_triangles(corners, 0.5)
+        assert {*map(tuple, corners.reshape(-1, 3))} <= {*map(tuple, found)}
+
+
 @pytest.mark.parametrize(
     ("points", "polygons", "options", "words"),
     [

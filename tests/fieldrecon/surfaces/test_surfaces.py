@@ -261,6 +261,9 @@ def test_points_at_edges_without_normals_are_reported():
     solid = Box([1.0, 1.0, 0.4])
     body = implicit_surface(cloud(solid, 1000)[0])
     assert "have no normal" in body.warnings[0]
+    given = as_clean_cloud(*cloud(solid, 1000))
+    assert given.trusted.all()
+    assert not given.beside.any()
     mesh = extract_surface(body)
     assert mesh.audit.clean
     assert mesh.audit.parts == 1

@@ -38,14 +38,14 @@ LEFT = {
     "touching vertex": PLANTED["touching vertex"].found,
 }
 DONE = {
-    "duplicate vertex": {"welded_vertices": 1},
+    "duplicate vertex": {"merged_vertices": 1},
     "unreferenced vertex": {"removed_vertices": 1},
     "duplicate triangle": {"removed_triangles": 1},
     "degenerate triangle": {"removed_triangles": 1, "split_edges": 1},
     "bow-tie": {"split_vertices": 1},
     "hole": {"filled_holes": 1, "filling_triangles": 1},
-    "flipped triangle": {"turned_triangles": 1},
-    "inside out": {"turned_triangles": 320},
+    "flipped triangle": {"reoriented_triangles": 1},
+    "inside out": {"reoriented_triangles": 320},
     "T-junction": {"split_edges": 1},
 }
 

@@ -29,9 +29,11 @@ FLAT = 1e14
 def solved(matrix: np.ndarray, right: np.ndarray, k: int) -> np.ndarray:
     """Solutions (p, s, v) of saddle-point systems (p, s, s) whose first k rows are kernels.
 
-    A further right-hand side of size one shows which systems are singular to rounding. They are
-    solved by eigenvectors, without the small eigenvalues, which would only amplify rounding.
-    Before, the rows and columns of an uneven diagonal are multiplied by the factors of `balancing`.
+    A further right-hand side of size one shows which systems are singular to rounding. It has all
+    frequencies: along a line of sites, flat kernels are singular for the high ones only. Singular
+    systems are solved by eigenvectors, without the small eigenvalues, which would only amplify
+    rounding. Before, the rows and columns of an uneven diagonal are multiplied by the factors of
+    `balancing`.
     """
     diagonal = matrix[:, range(k), range(k)]
     if np.ptp(diagonal, axis=1).any():  # as for data with smoothing of their own
@@ -44,7 +46,7 @@ def solved(matrix: np.ndarray, right: np.ndarray, k: int) -> np.ndarray:
 def _solved(matrix: np.ndarray, right: np.ndarray, k: int) -> np.ndarray:
     size = np.sqrt(np.einsum("pij,pij->p", matrix, matrix))
     within_range(size, "values of the kernel in a patch")
-    probe = np.cos(np.arange(matrix.shape[1]))[None, :, None]
+    probe = np.cos(np.arange(matrix.shape[1]) ** 2)[None, :, None]
     probes = np.broadcast_to(probe, (len(matrix), *probe.shape[1:]))
     try:
         found = np.linalg.solve(matrix, np.concatenate([right, probes], axis=2))

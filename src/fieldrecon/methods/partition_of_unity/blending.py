@@ -11,8 +11,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Executor
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
-from itertools import repeat
+from itertools import chain, islice, repeat
 from typing import NamedTuple
 
 import numpy as np
@@ -93,6 +95,33 @@ class Share(NamedTuple):
             yield systems, number, pairs, self.level.member[self.patch[pairs]]
 
 
+class Arrangement(NamedTuple):
+    """Sites of a level, by their indices, with a tree of them, and the patches."""
+
+    sites: np.ndarray
+    points: np.ndarray
+    tree: cKDTree
+    patches: Patches
+
+
+_known: ContextVar[dict[tuple[bytes, int], list[Arrangement]] | None] = ContextVar(
+    "_known", default=None
+)
+
+
+@contextmanager
+def shared_patches() -> Iterator[None]:
+    """Inside the ``with``, methods on the same sites share their patches, which take long to make.
+
+    They do not depend on the kernel, the degree or the smoothing.
+    """
+    token = _known.set({})
+    try:
+        yield
+    finally:
+        _known.reset(token)
+
+
 def levels_of(
     points: np.ndarray,
     k: int,
@@ -101,8 +130,34 @@ def levels_of(
     progress: Progress | None = None,
 ) -> Iterator[Level]:
     """Yield levels of patches with k of the sites (n, d) each; the last is a single patch."""
+    of_finest = islice(split_progress(progress, len(points), PASSES), PASSES - 1)
+    steps = chain(of_finest, repeat(None))
+    for sites, own, tree, patches in _arrangements(points, k, executor, steps):
+        here = replace(problem, smoothing=problem.smoothing[sites])
+        systems = systems_of(own, tree, patches, here, executor, next(steps))
+        yield Level(sites, patches, *systems)
+    report_all(progress, len(points))
+
+
+def _arrangements(
+    points: np.ndarray, k: int, executor: Executor | None, steps: Iterator[Progress | None]
+) -> Iterable[Arrangement]:
+    """The patches of all levels: those that are known, or new ones."""
+    new = _new_arrangements(points, k, executor, steps)
+    known = _known.get()
+    if known is None:
+        return new
+    key = points.tobytes(), k
+    if key not in known:
+        known[key] = list(new)
+    return known[key]
+
+
+def _new_arrangements(
+    points: np.ndarray, k: int, executor: Executor | None, steps: Iterator[Progress | None]
+) -> Iterator[Arrangement]:
+    """Yield the patches of each level."""
     sites = np.lexsort(points.T[::-1])  # so that their order does not matter where distances tie
-    steps: Iterator[Progress | None] = split_progress(progress, len(points), PASSES)
     while True:
         own_k = _patch_size(points[sites], k, finest=len(sites) == len(points))
         alone = own_k == len(sites)
@@ -118,12 +173,8 @@ def levels_of(
             if alone
             else Patches.of(own, tree, boxes, own_k, executor, covering, reaching)
         )
-        here = replace(problem, smoothing=problem.smoothing[sites])
-        systems = systems_of(own, tree, patches, here, executor, next(steps))
-        yield Level(sites, patches, *systems)
-        steps = repeat(None)
+        yield Arrangement(sites, own, tree, patches)
         if alone:
-            report_all(progress, len(points))
             return
         sites = sites[patches.representatives]
 

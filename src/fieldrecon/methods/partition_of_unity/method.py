@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, progress_after, rows_of, split_progress
 from fieldrecon._numerics.jets import product, rows_of_jet, symmetric, upper_pairs
+from fieldrecon.fields import Field
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.methods.metric import as_metric, frame_of
@@ -30,20 +31,26 @@ from fieldrecon.methods.partition_of_unity.blending import (
 from fieldrecon.methods.partition_of_unity.leave_one_out import blended_residuals
 from fieldrecon.methods.partition_of_unity.patch_systems import Problem
 from fieldrecon.methods.solvability import (
+    INTERPOLATED,
     as_augmentation,
     as_finite,
     as_kernel,
     as_smoothing,
+    random_signs,
     refuse_duplicates,
     unit_smoothing,
 )
 from fieldrecon.polynomials import EPS, dimension
-from fieldrecon.reconstruction import Field, Reconstruction, Weights
+from fieldrecon.reconstruction import Reconstruction, Weights
 
 Coefficients: TypeAlias = Sequence[Sequence[np.ndarray]]
 """For each level and each of its groups of systems: (p, k + q, v)."""
 MAX_CROWDING = 2
 """Factor by which the patches that reach a query may exceed their mean, for the size of chunks."""
+
+
+DRAWS = 8
+"""Number of random data whose fields show whether a method interpolates; patches are small."""
 
 
 class PartitionOfUnityRBF(Reconstruction):
@@ -89,10 +96,16 @@ class PartitionOfUnityRBF(Reconstruction):
         fewer if there are no more, or if a few sites are clusters far from others.
     reduced : int
         Number of patches whose sites do not determine a polynomial of the degree, not even with
-        four times as many: sites on a line, in a plane or on a circle, say. They use all
+        four times as many, of which none makes the patch a thousand times as wide: sites on a
+        line, in a plane or on a circle, say. They use all
         polynomials of the degrees that their sites determine, and of higher degrees those that are
         determined modulo the lower ones: on a line or in a plane these are constant across it, on a
         circle harmonic.
+    interpolates : bool
+        False with smoothing, and where the kernel is so flat for the sites of a patch that rounding
+        makes the fields of some data miss them by more than 1e-6 of their size. Then a patch fits
+        what its system determines, and weights at the sites may be far from one and zero. It takes
+        the time of a field when it is first asked for.
     degree : int
         The degree that is reproduced everywhere: the lowest that all patches determine. No distinct
         sites are refused for want of a polynomial; one site reproduces constants.
@@ -115,7 +128,9 @@ class PartitionOfUnityRBF(Reconstruction):
     There the levels change within half a spacing, and the gradient has their difference divided
     by this distance. For f = sin 3(x + y) + x^2 at 600 sites in the unit square, the gradient
     (of size 6) has errors of up to 31 within 0.1 of the square, 3.2 at the 95 % quantile; that of
-    `RBF` with r^3 has 1.0 and 0.7. `fieldrecon.selection.extrapolated` marks such points.
+    `RBF` with r^3 has 1.0 and 0.7. `fieldrecon.selection.extrapolated` marks such points. Far
+    outside, values grow like the degree's power of the distance, and rounding with them: cubics
+    lose a constant, and are refused, from about 1e4 times the extent of the sites on.
 
     Leave-one-out residuals are an estimate of the error: the patches stay where they are, while
     a fit without the site would have others. They have the size of the true residuals, and on a
@@ -167,7 +182,6 @@ class PartitionOfUnityRBF(Reconstruction):
         degree = as_augmentation(degree, self.kernel)
         self.patch_size = _as_patch_size(patch_size, d, degree)
         self.smoothing = as_smoothing(smoothing, len(self.points))
-        self.interpolates = not np.any(self.smoothing)
         self.metric = as_metric(metric, d)
         self._frame = frame_of(self.points, self.metric)
         scaled = self._frame.scaled(self.points)
@@ -190,6 +204,15 @@ class PartitionOfUnityRBF(Reconstruction):
         systems = [s for level in self._levels for s in level.systems]
         self.reduced = sum(s.reduced for s in systems)
         self.degree = min(s.least_degree() for s in systems)
+
+    @cached_property
+    def interpolates(self) -> bool:  # type: ignore[override]
+        """Whether the field takes any data at the sites, computed when it is first asked for."""
+        if np.any(self.smoothing):
+            return False
+        level = self._levels[0]
+        signs = random_signs(len(self.points), DRAWS)[level.sites]
+        return max(systems.rough_miss(signs) for systems in level.systems) <= INTERPOLATED
 
     def field(
         self,

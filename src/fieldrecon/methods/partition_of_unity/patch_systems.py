@@ -163,18 +163,37 @@ class PatchSystems:
 
     def coefficients(self, values: np.ndarray, finest: bool, patch: np.ndarray) -> np.ndarray:
         """Coefficients (p, k + q, v) of patches (p,) for the data (n, v) of all sites."""
+        found, miss = self._interpolants(values, patch)
+        if finest:
+            self._refuse_a_miss(patch, miss)
+        k = self.sites.shape[1]
+        for i, own in self._bases_among(patch):
+            found[i, k:] = own @ found[i, k:]
+        return found
+
+    def _interpolants(self, values: np.ndarray, patch: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Coefficients (p, k + q, v) in the bases of patches (p,), and their relative errors."""
         matrix = self.matrices(patch)
         data = values[self.sites[patch]]
         k = data.shape[1]
         right = np.zeros((len(patch), self.size, data.shape[2]), dtype=data.dtype)
         right[:, :k] = data
         found = solved(matrix, right, k)
-        relative = relative_miss(matrix, found, right)
-        if finest:
-            self._refuse_a_miss(patch, relative[:, :k])
-        for i, own in self._bases_among(patch):
-            found[i, k:] = own @ found[i, k:]
-        return found
+        if np.isinf(self.radii[patch]).any():
+            # Far away, what is left of P^T lambda would be multiplied by large kernels.
+            found += solved(matrix, right - matrix @ found, k)
+        return found, relative_miss(matrix, found, right)[:, :k]
+
+    def rough_miss(self, signs: np.ndarray) -> float:
+        """Largest error by rounding of the blended fields of signs (n, v) at their data."""
+        work = partial(quiet_evaluate, self._rough_misses, signs)
+        parts = chunked(work, np.arange(len(self)), self.rows(signs.shape[1]))
+        return max((float(misses.max()) for _, misses in parts), default=0.0)
+
+    def _rough_misses(self, signs: np.ndarray, patch: np.ndarray) -> np.ndarray:
+        """Errors (p, k, v) at the data of patches (p,), as far as the blended fields have them."""
+        _, miss = self._interpolants(signs, patch)
+        return self._largest_shares(patch)[..., None] * miss
 
     def values(self, patch: np.ndarray, x: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
         """Values (p, v) at points x (p, d), for the coefficients of all patches."""

@@ -37,6 +37,11 @@ THINNED = 10
 """Maximum number of neighbouring sites that one site represents on the next, coarser level."""
 MAX_GROWTH = 4
 """Maximum factor by which a patch that does not determine its polynomials gets more sites."""
+APART = 1e3
+"""Factor by which a patch may become wider with these sites.
+
+Beyond, they are outliers, and the kernel would be flat for the others.
+"""
 BARELY = 1e-6
 """Size at the sites up to which a polynomial, modulo lower degrees, is not determined by them.
 
@@ -148,7 +153,8 @@ def systems_of(
     """Systems of the patches, and for each patch the index of its system and its index in it.
 
     A patch that does not determine its polynomials, or barely does, gets more sites. If even the
-    maximum number is too few, it uses only the polynomials that its sites determine. Progress is
+    maximum number is too few, or the next ones are far away, it uses only the polynomials that its
+    sites determine. Progress is
     reported for the first round, which has all of the patches.
     """
     groups: list[PatchSystems] = []
@@ -158,8 +164,15 @@ def systems_of(
     while len(rest):
         own_progress = None if groups else progress
         origin, radius, doubt = _frames(points, sites, problem.degree, executor, own_progress)
-        last = sites.shape[1] >= most
-        stays = np.ones_like(doubt) if last else ~doubt
+        grows = np.flatnonzero(doubt) if sites.shape[1] < most else np.array([], dtype=int)
+        more = min(2 * sites.shape[1], len(points))
+        distance, wider = tree.query(
+            patches.centers[rest[grows]], [sites.shape[1], *range(1, 1 + more)]
+        )
+        beside = distance[:, -1] <= APART * distance[:, 0]
+        grows, wider = grows[beside], wider[beside, 1:]
+        stays = np.ones_like(doubt)
+        stays[grows] = False
         own = rest[stays]
         systems = PatchSystems(
             points,
@@ -170,13 +183,10 @@ def systems_of(
             patches.centers[own],
             patches.radii[own],
         )
-        if last:
-            _find_bases(systems, np.flatnonzero(doubt), executor)
+        _find_bases(systems, np.flatnonzero(doubt[stays]), executor)
         member[own], group[own] = np.arange(len(systems)), len(groups)
         groups.append(systems)
-        rest = rest[~stays]
-        more = min(2 * sites.shape[1], len(points))
-        sites = tree.query(patches.centers[rest], more)[1].reshape(len(rest), more)
+        rest, sites = rest[grows], wider
     return tuple(groups), group, member
 
 

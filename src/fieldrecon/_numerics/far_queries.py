@@ -1,0 +1,61 @@
+"""Queries far from the sites, where rounding may decide the values.
+
+Outside the sites, errors of the data and rounding are multiplied by the sum of the absolute
+weights, which grows like a power of the distance: for polynomials of degree k like the k-th. Where
+nothing is left of the values, the constants are lost, too: with a constant C added to the data, the
+value must increase by C.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fieldrecon._core.validation import format_point
+from fieldrecon.polynomials import EPS
+
+REACH = 10.0
+"""Distance from the box of the sites beyond which a query is far, in units of its longest side."""
+CONSTANTS = np.array([1.0, -0.7, 0.4, -1.3])
+"""Constants added to data of size one; two fields may by chance be rounded alike."""
+LOST = 1e-4
+"""Relative error beyond which a constant is lost."""
+
+
+def near_box(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper corner (d,) of the box outside of which queries are far from the sites."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    reach = REACH * np.max(high - low)
+    return low - reach, high + reach
+
+
+def are_far(box: tuple[np.ndarray, np.ndarray], x: np.ndarray) -> np.ndarray:
+    """Which queries (m, d) are outside the `near_box`."""
+    low, high = box
+    outside: np.ndarray = (x < low) | (x > high)
+    return np.logical_or.reduce(outside, axis=1)
+
+
+def refuse_lost_constants(x: np.ndarray, error: np.ndarray) -> None:
+    """Refuse queries (m, d) at which constants have errors (m, v) of more than LOST."""
+    worst = np.max(error, axis=1, initial=0.0)
+    lost = np.flatnonzero(worst > LOST)  # values that are not finite are reported elsewhere
+    if len(lost):
+        raise np.linalg.LinAlgError(
+            f"rounding decides the value at ({format_point(x[lost[0]])}): so far from the points "
+            f"it is multiplied so much that constants have an error of {worst[lost[0]]:.0e}; "
+            "evaluate nearer to the points, or choose a lower degree"
+        )
+
+
+def error_of_increase(value: np.ndarray, more: np.ndarray, constants: np.ndarray) -> np.ndarray:
+    """Largest relative error (m, v) of constants (k, v), added to the data of `more` (m, k v).
+
+    It is not relative to the values (m, v), which may be rounding.
+    """
+    increase = more.reshape(len(value), *constants.shape) - value[:, None]
+    return (np.abs(increase - constants) / np.abs(constants)).max(axis=1)
+
+
+def error_of_weights(total: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """Error of the sums of weights, which must be 1; the weights of the size are rounded, too."""
+    return np.abs(total - 1.0) + EPS * size

@@ -1,0 +1,45 @@
+"""A file that the disk has no room for is named, and nothing that looks complete is left."""
+
+import errno
+import resource
+import signal
+
+import numpy as np
+import pytest
+
+from fieldrecon.io.targets import Targets, TargetValues
+from fieldrecon.io.values import FORMATS, write_values
+
+
+@pytest.fixture
+def file_limit():
+    """A function that limits the size of a file, as a full disk does, until the test ends."""
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    yield lambda size=before[0]: resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    signal.signal(signal.SIGXFSZ, handler)
+
+
+def result_at(points):
+    """A field with its error at points."""
+    m = len(points)
+    return TargetValues(
+        ("x", "y", "v"), Targets(points), points[:, 0], np.ones(m), np.zeros(m, dtype=np.int8)
+    )
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_a_full_disk_names_the_file_and_leaves_the_one_before(tmp_path, file_limit, suffix):
+    """At its first byte, in its middle and before its end, for each format."""
+    path = tmp_path / f"field.{suffix}"
+    points = np.random.default_rng(0).random((2000, 2))
+    before = write_values(path, result_at(points)).read_bytes()
+    for size in (10, len(before) // 2, len(before) - 8):
+        file_limit(size)
+        with pytest.raises(OSError, match=rf"field\.{suffix}") as caught:
+            write_values(path, result_at(points))
+        file_limit()
+        assert caught.value.errno == errno.EFBIG
+        assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
+        assert path.read_bytes() == before
