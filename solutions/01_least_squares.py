@@ -356,8 +356,8 @@ def strip(width):
 #
 # ### 01.5 The gradient
 #
-# Differentiate (1.1) on paper. Then return the gradient of $f$ at many evaluation
-# points.
+# Differentiate (1.1) on paper. Then return the gradient of $f$ at many evaluation points. A
+# difference quotient is no answer: far from the origin it loses digits.
 
 
 # %% question="01.5" minutes=5
@@ -418,10 +418,8 @@ def minimum():
 # %% [markdown]
 # ## In words
 #
-# **01.7** (a) State the dimensions of $\mathbf{B}$, $\mathbf{c}$, $\mathbf{V}$ and
-# $\mathbf{B}^T\mathbf{B}$. (b) For which $N$ is $\mathbf{B}\mathbf{c} = \mathbf{V}$
-# over-determined or under-determined, by the numbers of equations and unknowns? (c) Give an
-# example for which these numbers are not enough.
+# **01.7** Explain with an example why the numbers of equations and unknowns, $N$ and $D+1$, do not
+# decide whether $\mathbf{B}\mathbf{c} = \mathbf{V}$ is over-determined or under-determined.
 #
 # <details><summary>Hint</summary>
 #
@@ -430,41 +428,39 @@ def minimum():
 # </details>
 
 # %% [markdown] answer="01.7" points=3 minutes=10 words=80
-# (a) $\mathbf{B}$ is $N \times (D+1)$, $\mathbf{c}$ has $D+1$ entries, $\mathbf{V}$ has $N$, and
-# $\mathbf{B}^T\mathbf{B}$ is $(D+1) \times (D+1)$.
+# By counting, the system is over-determined for $N > D+1$ and under-determined for $N < D+1$. But
+# equations may depend on each other, so the rank of $\mathbf{B}$ decides.
 #
-# (b) By counting, the system is over-determined for $N > D+1$ and under-determined for $N < D+1$.
-#
-# (c) For a hundred points on a line of the plane, $\mathbf{B}$ has three columns and the rank 2.
-# The system is over-determined along the line, where the data need not agree. It is
-# under-determined across the line, where any slope fits.
+# For a hundred points on a line of the plane, $\mathbf{B}$ has three columns and the rank 2. The
+# system is over-determined along the line, where the data need not agree. It is under-determined
+# across the line, where any slope fits.
 #
 # *Beyond the question.* The rank of $\mathbf{B}$ is one more than the dimension of the affine hull
 # of the points.
 
 # %% [markdown] rubric="01.7"
-# (a) One point for the four dimensions. (b) One for the two cases by counting. (c) One for an
-# example such as collinear points, where the rank is less than the number of columns.
+# One point for the two cases by counting. One for the reason that counting is not enough: equations
+# may depend on each other, so the rank decides. One for an example such as collinear points, where
+# the rank is less than the number of columns.
 
 # %% [markdown]
-# **01.8** The slides call (1.4) the method of the *pseudo-inverse* (page 5). (a) For which
-# $\mathbf{B}$ is $(\mathbf{B}^T\mathbf{B})^{-1}\mathbf{B}^T$ the pseudo-inverse, and what does
-# this mean for the points? (b) What goes wrong for other $\mathbf{B}$?
+# **01.8** The slides call (1.4) the method of the *pseudo-inverse* (page 5). For which points is
+# $(\mathbf{B}^T\mathbf{B})^{-1}\mathbf{B}^T$ the pseudo-inverse of $\mathbf{B}$?
 
-# %% [markdown] answer="01.8" points=2 minutes=10 words=50
-# (a) For $\mathbf{B}$ of full column rank $D+1$: no hyperplane contains all points.
-#
-# (b) The inverse does not exist, and rounding errors may hide this: a solver returns large numbers
-# without a warning. The pseudo-inverse itself selects the coefficients of least norm, which depend
-# on the origin.
+# %% [markdown] answer="01.8" points=2 minutes=10 words=40
+# The inverse exists if and only if $\mathbf{B}$ has full column rank $D+1$. Then no combination of
+# the columns is zero. This means that no affine function except zero vanishes at all points: no
+# hyperplane contains all of them.
 #
 # *Beyond the question.* With full column rank $\mathbf{c}^T\mathbf{B}^T\mathbf{B}\mathbf{c} =
 # \lVert\mathbf{B}\mathbf{c}\rVert^2$ is zero for $\mathbf{c} = \mathbf{0}$ only, so
-# $\mathbf{B}^T\mathbf{B}$ is invertible.
+# $\mathbf{B}^T\mathbf{B}$ is invertible. For other points the inverse does not exist, and rounding
+# errors may hide this: a solver returns large numbers without a warning. The pseudo-inverse itself
+# selects the coefficients of least norm, which depend on the origin.
 
 # %% [markdown] rubric="01.8"
-# (a) One point for full column rank, with its meaning for the points. (b) One for what goes wrong:
-# no inverse, or an answer of least norm that depends on the origin.
+# One point for full column rank. One for its meaning for the points: no hyperplane contains all of
+# them.
 
 # %% [markdown]
 # ## Dig deeper

@@ -245,7 +245,8 @@ print("H c for c = (0, 5/2):", three_h @ np.array([0.0, 2.5]))
 # ### 02.2 The coefficients
 #
 # Write a function that solves (2.5) for given weights, all of them positive. In all questions of
-# this notebook the points determine the coefficients.
+# this notebook the points determine the coefficients. Small weights count, too: where all points of
+# large weight are near one line, the others determine the slope across this line.
 #
 # <details><summary>Hint</summary>
 #
@@ -311,9 +312,9 @@ def line_at_a_point(x, epsilon):
 # %% [markdown]
 # ### In words
 #
-# **02.3** (a) Which dimensions has the matrix $\mathbf{H}(\mathbf{x})$ of (2.5)? (b) For which
-# points $\mathbf{p}_1, \dots, \mathbf{p}_N$ is it non-singular, with the weights (2.3)? Prove your
-# answer. (c) Which property of the weights makes your answer independent of the evaluation point?
+# **02.3** For which points $\mathbf{p}_1, \dots, \mathbf{p}_N$ is the matrix
+# $\mathbf{H}(\mathbf{x})$ of (2.5) non-singular at every evaluation point $\mathbf{x}$, with the
+# weights (2.3)? Prove your answer.
 #
 # <details><summary>Hint</summary>
 #
@@ -322,28 +323,24 @@ def line_at_a_point(x, epsilon):
 #
 # </details>
 
-# %% [markdown] answer="02.3" points=4 minutes=15 words=100
-# (a) $\mathbf{H}$ is $(D+1) \times (D+1)$, for any number of points.
-#
-# (b) It is non-singular if and only if no hyperplane contains all points. If
-# $\mathbf{H}\mathbf{c} = \mathbf{0}$, then $\lVert \mathbf{W}\mathbf{B}\mathbf{c} \rVert^2 =
-# \mathbf{c}^T\mathbf{H}\mathbf{c} = 0$. Since $\mathbf{W}$ is invertible, $\mathbf{B}\mathbf{c} =
-# \mathbf{0}$: the affine field with coefficients $\mathbf{c}$ vanishes at every point. For
-# $\mathbf{c} \neq \mathbf{0}$ its zeros form a hyperplane, or there are none. Conversely, if a
-# hyperplane contains all points, some affine field $\mathbf{c} \neq \mathbf{0}$ vanishes at all of
-# them, and $\mathbf{H}\mathbf{c} = \mathbf{0}$.
-#
-# (c) All weights are positive, so $\mathbf{W}$ is invertible at every $\mathbf{x}$. The evaluation
-# point has no influence.
+# %% [markdown] answer="02.3" points=4 minutes=15 words=80
+# It is non-singular if and only if no hyperplane contains all points. All weights are positive, so
+# $\mathbf{W}$ is invertible at every $\mathbf{x}$. If $\mathbf{H}\mathbf{c} = \mathbf{0}$, then
+# $\lVert \mathbf{W}\mathbf{B}\mathbf{c} \rVert^2 = \mathbf{c}^T\mathbf{H}\mathbf{c} = 0$, and
+# $\mathbf{B}\mathbf{c} = \mathbf{0}$: the affine field with coefficients $\mathbf{c}$ vanishes at
+# every point. For $\mathbf{c} \neq \mathbf{0}$ its zeros form a hyperplane, or there are none.
+# Conversely, if a hyperplane contains all points, some affine field $\mathbf{c} \neq \mathbf{0}$
+# vanishes at all of them, and $\mathbf{H}\mathbf{c} = \mathbf{0}$.
 #
 # *Beyond the question.* The hyperplane is a line for $D = 2$ and a plane for $D = 3$. At least $D +
 # 1$ points are needed. With weights that vanish beyond some distance only the points with positive
 # weight would count, and the answer would depend on $\mathbf{x}$.
 
 # %% [markdown] rubric="02.3"
-# (a) One point for the dimensions, independent of $N$. (b) Two for the condition that no hyperplane
-# contains all points: one for the statement, one for the proof; the converse is not required. (c)
-# One for using that all weights are positive, so that the evaluation point has no influence.
+# One point for the condition that no hyperplane contains all points. One for using that all weights
+# are positive, so that the evaluation point has no influence. One for the square of the norm, which
+# gives $\mathbf{B}\mathbf{c} = \mathbf{0}$. One for the affine field that vanishes at all points.
+# The converse is not required.
 
 # %% [markdown]
 # ## The field
@@ -1054,10 +1051,10 @@ def landscape_errors(number, noise):
 #
 # ### In words
 #
-# **02.10** (a) Prove that the minimum of $\psi$ over $\mathbf{c}$ never increases with
-# $\varepsilon$, whatever the data, and therefore selects a large $\varepsilon$. (b) Does $\psi$
-# measure the error of the field at $\mathbf{x}$? Give a reason. (c) Why does leave-one-out
-# cross-validation select an $\varepsilon$ close to the best one, also for noisy data?
+# **02.10** The $\varepsilon$ with the smallest minimum of $\psi$ over $\mathbf{c}$ is not a good
+# one, whereas leave-one-out cross-validation selects a good one, also for noisy data. Explain this;
+# begin with a proof that the minimum of $\psi$ never increases with $\varepsilon$, whatever the
+# data.
 #
 # <details><summary>Hint</summary>
 #
@@ -1067,15 +1064,14 @@ def landscape_errors(number, noise):
 # </details>
 
 # %% [markdown] answer="02.10" points=5 minutes=20 words=130 optional
-# (a) Let $\psi_1$ and $\psi_2$ belong to $\varepsilon_1 < \varepsilon_2$, with the minimizers
+# Let $\psi_1$ and $\psi_2$ belong to $\varepsilon_1 < \varepsilon_2$, with the minimizers
 # $\mathbf{c}_1$ and $\mathbf{c}_2$. For fixed $\mathbf{c}$ every weight $w_i = 1/(r_i^2 +
 # \varepsilon^2)$ decreases as $\varepsilon$ grows, so each term of (2.7) decreases or is zero.
-# Hence $\psi_2(\mathbf{c}_2) \le \psi_2(\mathbf{c}_1) \le \psi_1(\mathbf{c}_1)$.
+# Hence $\psi_2(\mathbf{c}_2) \le \psi_2(\mathbf{c}_1) \le \psi_1(\mathbf{c}_1)$, and the largest
+# $\varepsilon$ is selected. The residuals in $\psi$ are at points that the fit has used. They are
+# not errors at $\mathbf{x}$, where nothing was measured.
 #
-# (b) No. The residuals in $\psi$ are at points that the fit has used. They are not errors at
-# $\mathbf{x}$, where nothing was measured.
-#
-# (c) Leave-one-out evaluates the field at points whose measurement it has not used. A field that
+# Leave-one-out evaluates the field at points whose measurement it has not used. A field that
 # follows the noise predicts the omitted value badly, and so does a field that is too stiff. The
 # mean of $e_i^2$ estimates the squared error plus the variance of the noise. The variance does not
 # depend on $\varepsilon$, so the minimum is close to the best $\varepsilon$.
@@ -1089,11 +1085,11 @@ def landscape_errors(number, noise):
 # If the true field is affine, $\varepsilon \to \infty$ is best.
 
 # %% [markdown] rubric="02.10"
-# (a) Two points for the proof: one for the terms with fixed $\mathbf{c}$, one for the minimum over
-# $\mathbf{c}$. (b) One for saying that $\psi$ measures residuals of data that the fit has used, not
-# the error at $\mathbf{x}$. (c) Two for leave-one-out: one for data that the fit has not used, one
-# for a variance of the noise that does not depend on $\varepsilon$. An answer that recommends
-# $\psi$ gets no points for (a) and (b).
+# One point for the terms with fixed $\mathbf{c}$. One for the minimum over $\mathbf{c}$. One for
+# saying that $\psi$ measures residuals of data that the fit has used, not the error at
+# $\mathbf{x}$. One for leave-one-out: it evaluates at data that the fit has not used. One for a
+# variance of the noise that does not depend on $\varepsilon$. An answer that recommends $\psi$ gets
+# none of the first three points.
 
 # %% [markdown]
 # ## Dig deeper

@@ -668,50 +668,46 @@ def one_value_changed(which):
 #
 # ## In words
 #
-# **03.8** What would be lost without the orthogonality constraints (3.4)? Give four consequences,
-# with a reason for each.
+# **03.8** Let the points be distinct, and let no hyperplane contain them. By (3.7)
+# $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} > 0$ for every $\boldsymbol{\lambda} \neq
+# \mathbf{0}$ that satisfies (3.4). Prove that (3.5) then has only one solution.
 #
 # <details><summary>Hint</summary>
 #
-# Consider the number of equations, affine data, the field far away, and uniqueness. For uniqueness
-# let $\mathbf{A}\boldsymbol{\lambda} + \mathbf{B}\mathbf{c} = \mathbf{0}$ and multiply by
-# $\boldsymbol{\lambda}^T$ from the left. Then use that
-# $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda}$ is an energy.
+# The difference of two solutions solves (3.5) with zero values: $\mathbf{A}\boldsymbol{\lambda} +
+# \mathbf{B}\mathbf{c} = \mathbf{0}$ and $\mathbf{B}^T\boldsymbol{\lambda} = \mathbf{0}$. Multiply
+# the first equation by $\boldsymbol{\lambda}^T$ from the left.
 #
 # </details>
 
 # %% [markdown] answer="03.8" points=4 minutes=15 words=80
-# *Counting.* For $N + D + 1$ unknowns there are $N$ interpolation conditions; (3.4) has the missing
-# equations.
+# The difference $(\boldsymbol{\lambda}, \mathbf{c})$ of two solutions satisfies
+# $\mathbf{A}\boldsymbol{\lambda} + \mathbf{B}\mathbf{c} = \mathbf{0}$ and
+# $\mathbf{B}^T\boldsymbol{\lambda} = \mathbf{0}$. From the left with $\boldsymbol{\lambda}^T$:
+# $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} =
+# -(\mathbf{B}^T\boldsymbol{\lambda})^T\mathbf{c} = 0$. The second equation is (3.4), so
+# $\boldsymbol{\lambda} = \mathbf{0}$. Then $\mathbf{B}\mathbf{c} = \mathbf{0}$: an affine field
+# vanishes at all points. Since no hyperplane contains them, $\mathbf{c} = \mathbf{0}$. So the two
+# solutions are equal.
 #
-# *Affine data.* Affine fields satisfy (3.5) with $\boldsymbol{\lambda} = \mathbf{0}$ and are
-# reproduced; kernels alone cannot do this.
-#
-# *Far away.* Kernels grow like $R^2 \log R$. By (3.4) the factors $\sum_j \lambda_j$ and $\sum_j
-# \lambda_j \mathbf{p}_j$ of the fastest terms vanish, so $f$ grows at most linearly.
-#
-# *Uniqueness.* Under (3.4) $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} > 0$ for
-# $\boldsymbol{\lambda} \neq \mathbf{0}$, so $\boldsymbol{\lambda}$ is unique. $\mathbf{A}$ alone
-# may be singular: for an equilateral triangle of side 1 it is zero.
-#
-# *Beyond the question.* The proof of uniqueness, for distinct points that no hyperplane contains:
-# with zero values (3.5) gives $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} =
-# -(\mathbf{B}^T\boldsymbol{\lambda})^T\mathbf{c} = 0$. Hence $\boldsymbol{\lambda} = \mathbf{0}$,
-# then $\mathbf{B}\mathbf{c} = \mathbf{0}$ and $\mathbf{c} = \mathbf{0}$. The second derivatives of
-# $f$ decay like $R^{-2}$, so the bending energy is finite. The constraints are also the conditions
-# for the least energy, with $\mathbf{c}$ as Lagrange multipliers. And they make the field
-# independent of the unit of length.
+# *Beyond the question.* The constraints (3.4) do more. They supply the missing $D + 1$ equations
+# for $N + D + 1$ unknowns. Affine data are reproduced, with $\boldsymbol{\lambda} = \mathbf{0}$;
+# kernels alone cannot do this. Kernels grow like $R^2 \log R$ far away, but by (3.4) the factors
+# $\sum_j \lambda_j$ and $\sum_j \lambda_j \mathbf{p}_j$ of the fastest terms vanish, so $f$ grows
+# at most linearly. Its second derivatives decay like $R^{-2}$, so the bending energy is finite.
+# Without the constraints $\mathbf{A}$ alone may be singular: for an equilateral triangle of side 1
+# it is zero. The constraints are also the conditions for the least energy, with $\mathbf{c}$ as
+# Lagrange multipliers. And they make the field independent of the unit of length.
 
 # %% [markdown] rubric="03.8"
-# One point for each of four consequences with a reason: as many equations as unknowns; exact for
-# affine data; growth far away (or finite energy); definiteness and uniqueness. Least energy or
-# independence of the unit may stand for one of them.
+# One point for a difference of two solutions, or zero values. One for
+# $\boldsymbol{\lambda}^T\mathbf{A}\boldsymbol{\lambda} = 0$ by the constraints (3.4). One for
+# $\boldsymbol{\lambda} = \mathbf{0}$. One for $\mathbf{c} = \mathbf{0}$, since no hyperplane
+# contains the points.
 
 # %% [markdown]
-# **03.9** The slides say about (3.5): "This is a symmetric positive definite system and will
-# always have a unique solution" (page 13). (a) Show that the matrix is not positive definite. (b)
-# For which points is there a unique solution for all values? Say what goes wrong for other
-# points.
+# **03.9** The slides say about (3.5): "This is a symmetric positive definite system and will always
+# have a unique solution" (page 13). Correct this sentence, with a reason for each correction.
 #
 # <details><summary>Hint</summary>
 #
@@ -722,12 +718,13 @@ def one_value_changed(which):
 # </details>
 
 # %% [markdown] answer="03.9" points=4 minutes=15 words=80
-# (a) With the first unit vector $\mathbf{e}_1^T\mathbf{H}\mathbf{e}_1 = w(\mathbf{0}) = 0$, which
-# is not positive. The trace of $\mathbf{H}$ is zero too, so there are eigenvalues of both signs.
+# The matrix is not positive definite. With the first unit vector
+# $\mathbf{e}_1^T\mathbf{H}\mathbf{e}_1 = w(\mathbf{0}) = 0$, which is not positive. The trace of
+# $\mathbf{H}$ is zero, so there are eigenvalues of both signs.
 #
-# (b) There is a unique solution if and only if the points are distinct and no hyperplane contains
-# all of them. Two equal points make two rows equal. If a hyperplane contains all points, an affine
-# field that vanishes there can be added to $f$, and the sum still interpolates the values.
+# The solution is unique for all values if and only if the points are distinct and no hyperplane
+# contains them. Two equal points make two rows equal. If a hyperplane contains all points, an
+# affine field that vanishes there can be added to $f$, and the sum still interpolates.
 #
 # *Beyond the question.* If the solution is unique, $N$ eigenvalues are positive and $D + 1$
 # negative. A Cholesky factorization needs a positive pivot at each step and fails at the first,
@@ -736,9 +733,9 @@ def one_value_changed(which):
 # satisfy (3.4) $\mathbf{A}$ is positive definite, so Cholesky is possible there.
 
 # %% [markdown] rubric="03.9"
-# (a) Two points: one for "not positive definite", one for a reason, such as a zero on the diagonal,
-# the zero trace, or counted eigenvalues. (b) Two points, each with what goes wrong otherwise: one
-# for distinct points, one for points that no hyperplane contains.
+# One point for "not positive definite". One for a reason, such as a zero on the diagonal, the zero
+# trace, or counted eigenvalues. One for distinct points, with what goes wrong otherwise. One for
+# points that no hyperplane contains, with what goes wrong otherwise.
 
 # %% [markdown]
 # ## Dig deeper

@@ -111,12 +111,13 @@ def rotated(normals, degrees):
 # ## Normal velocities
 #
 # The picture has six edges. On each of them only the normal component of the velocity is measured.
-# The grey and the orange arrows are two flows, which are equal for the amount zero. Move the
-# slider, and compare the arrows on the left with the measurements on the right.
+# The grey and the orange arrows are two flows. The orange one is the grey one plus a rotation, and
+# the slider sets the amount of rotation. Compare the arrows on the left with the measurements on
+# the right.
 
 
 # %%
-@draw(amount=Slider(-1, 1, 0.6, "amount"))
+@draw(amount=Slider(-1, 1, 0.6, "rotation added"))
 def two_flows(amount):
     points = np.array([[0.0, 0.35], [0.2, 0.9], [0.35, 0.15], [0.5, 0.75], [0.8, 0.4], [0.75, 0.9]])
     middle = np.array([0.35, 0.5])
@@ -410,8 +411,9 @@ def rotating(one, together):
 
 
 # %% [markdown]
-# **What to look at.** Rotate one normal (orange dot). The rank is six at once, but the smallest
-# singular value grows only in proportion to the angle. For a small angle the system is
+# **What to look at.** Rotate one normal, that of the orange dot on the left; the orange dot on the
+# right is the present singular value. The rank is six at once, but the smallest singular value
+# grows only in proportion to the angle. For a small angle the system is
 # *ill-conditioned*: small errors of the measurements cause large errors of the flow. Then set this
 # normal back and rotate all six together: the singular value remains zero. To which flow are the
 # edges tangent at 45 degrees, and to which at 90 degrees? Both are among the five flows above.
@@ -433,18 +435,20 @@ def rotating(one, together):
 #
 # ### 04.5 A test of the conditions
 #
-# Write a function that returns whether (4.5) holds. There are infinitely many directions. For
-# which of them is (4.5) stronger than the condition that not all points are on one line? Count a
-# product $\mathbf{n}_i^T\mathbf{m}$ of unit vectors as zero if its absolute value is below
-# $10^{-9}$. Points count as on one line if their distances from a line are below $10^{-9}$; all
-# coordinates are between $-10$ and $10$. Several samples may share a point.
+# Write a function that returns whether (4.5) holds. Its name is `obvious`, since the slides call
+# such conditions "obvious". There are infinitely many directions. For which of them is (4.5)
+# stronger than the condition that not all points are on one line? Count a product
+# $\mathbf{n}_i^T\mathbf{m}$ of unit vectors as zero if its absolute value is below $10^{-9}$.
+# Points count as on one line if their distances from a line are below $10^{-9}$; all coordinates
+# are between $-10$ and $10$. Several samples may share a point.
 #
 # <details><summary>Hint</summary>
 #
 # Each sample is omitted for exactly one direction and its opposite. So at most $N$ directions
-# must be tested. Points are not on one line if their matrix $\mathbf{B}$ has rank three; choose
-# the tolerance of the rank for distances of $10^{-9}$. This test is also right for fewer than
-# three points.
+# must be tested. Points are not on one line if their matrix $\mathbf{B}$ has rank three. For
+# coordinates of this size its smallest singular value is about as large as the distances from a
+# line, so `np.linalg.matrix_rank` with `tol=1e-9` is suitable. This test is also right for fewer
+# than three points.
 #
 # </details>
 
@@ -490,9 +494,10 @@ def obvious_or_not():
 
 
 # %% [markdown]
-# **What to look at.** Where (4.5) fails, the rank is always less than six. But (4.5) may hold
-# although the rank is less than six. The fourth picture has five points on a line and one point off
-# the line. For any normals its rank is less than six. Which flow is tangent to all its edges?
+# **What to look at.** Where (4.5) fails, the rank is always less than six. The fourth picture has
+# five points on a line and one point off the line. For any normals its rank is less than six. Which
+# flow is tangent to all its edges? In the fifth picture (4.5) holds, although the rank is less than
+# six.
 
 # %% [markdown]
 # ## Stars of triangles
@@ -567,7 +572,7 @@ check("04.7")
 # %%
 @draw(
     neighbours=Slider(3, 8, 4, "neighbours", whole=True),
-    shift=Slider(-0.2, 0.2, 0, "move one", steps=40),
+    shift=Slider(-0.2, 0.08, 0, "move one", steps=28),
 )
 def star(neighbours, shift):
     random = np.random.default_rng(2)
@@ -606,83 +611,80 @@ def star(neighbours, shift):
 # %% [markdown]
 # **What to look at.** With four neighbours there are eight equations for six unknowns, and the rank
 # is five. The thin lines are the stream lines of the tangent flow. One of them (orange) passes
-# through all vertices: it is the conic. Through five points there is always a conic. Add a
-# neighbour. How many neighbours does a vertex need?
+# through all vertices: it is the conic. Through five points there is always a conic. With three
+# neighbours the rank is four: several conics pass through the four vertices, and one of them is
+# drawn. Add neighbours. How many does a vertex need?
 #
 # Notebook 05 uses this result: it reconstructs the velocities at all vertices of a mesh.
 #
 # ## In words
 #
-# **04.8** Let $N \ge 6$ and let $\mathbf{B}$ have full column rank. The slides ask for "obvious"
-# conditions on the normals $\mathbf{n}_i$ that are necessary for full column rank of
-# $\mathbf{B}'$ (page 42). Condition (4.5) is one of them. (a) Prove that it is necessary. (b)
-# Give an example which shows that it is not sufficient.
+# **04.8** The slides ask for "obvious" conditions on the normals $\mathbf{n}_i$ that are necessary
+# for full column rank of $\mathbf{B}'$; condition (4.5) is one of them, and the last picture of
+# 04.5 shows that it is not sufficient. Prove that (4.5) is necessary.
 #
 # <details><summary>Hint</summary>
 #
-# For (a) let (4.5) be violated, and look for a tangent flow of one direction, $\mathbf{u} =
-# \alpha\,\mathbf{m}$. For (b) think of a wheel.
+# Let (4.5) be violated, and look for a tangent flow of one direction, $\mathbf{u} =
+# \alpha\,\mathbf{m}$.
 #
 # </details>
 
-# %% [markdown] answer="04.8" points=4 minutes=15 words=100
-# (a) Let (4.5) fail for $\mathbf{m}$. The points with $\mathbf{n}_i^T\mathbf{m} \neq 0$ are on one
+# %% [markdown] answer="04.8" points=4 minutes=15 words=60
+# Let (4.5) fail for $\mathbf{m}$. The points with $\mathbf{n}_i^T\mathbf{m} \neq 0$ are on one
 # line, so an affine function $\alpha \neq 0$ vanishes at them. The affine flow $\mathbf{u} =
 # \alpha\,\mathbf{m} \neq \mathbf{0}$ is tangent to every sample, since $\alpha(\mathbf{p}_i) = 0$
-# or $\mathbf{n}_i^T\mathbf{m} = 0$. So the rank is less than six.
+# or $\mathbf{n}_i^T\mathbf{m} = 0$. Its coefficients are a vector $\mathbf{c} \neq \mathbf{0}$ with
+# $\mathbf{B}'\mathbf{c} = \mathbf{0}$. So the rank is less than six.
 #
-# (b) Take six points on a circle, no two of them opposite, with radial normals. The rotation about
-# the centre is tangent to all samples, so the rank is at most five. But (4.5) holds: no two normals
-# are parallel, so a direction omits at most one point, and the five others are not on one line.
-#
-# *Beyond the question.* If all normals are parallel, nothing is known of the component along the
-# edges, and the rank is three. For the directions of the axes (4.5) says that
+# *Beyond the question.* (4.5) is not sufficient. Take six points on a circle, no two of them
+# opposite, with radial normals. The rotation about the centre is tangent to all samples, so the
+# rank is at most five. But (4.5) holds: no two normals are parallel, so a direction omits at most
+# one point, and the five others are not on one line. Not only the rotation gives examples: take an
+# expansion, a spiral or a saddle $\mathbf{u}$, and normals perpendicular to
+# $\mathbf{u}(\mathbf{p}_i)$. If all normals are parallel, nothing is known of the component along
+# the edges, and the rank is three. For the directions of the axes (4.5) says that
 # $\mathbf{N}_x\mathbf{B}$ and $\mathbf{N}_y\mathbf{B}$ have rank three each, with the components of
-# the normals on the diagonals of $\mathbf{N}_x$ and $\mathbf{N}_y$. Not only the rotation gives
-# examples: take an expansion, a spiral or a saddle $\mathbf{u}$, and normals perpendicular to
-# $\mathbf{u}(\mathbf{p}_i)$. The complete condition is that only the zero flow satisfies (4.4).
-# Sufficient is: two directions that are not parallel, each the normal of three samples that are not
-# on one line. So if the points contain two disjoint triples that are not on one line each, random
-# normals give full column rank with probability one.
+# the normals on the diagonals of $\mathbf{N}_x$ and $\mathbf{N}_y$. The complete condition is that
+# only the zero flow satisfies (4.4). Sufficient is: two directions that are not parallel, each the
+# normal of three samples that are not on one line. So if the points contain two disjoint triples
+# that are not on one line each, random normals give full column rank with probability one.
 
 # %% [markdown] rubric="04.8"
-# (a) Two points: one for a flow $\alpha\,\mathbf{m} \neq \mathbf{0}$ whose $\alpha$ vanishes on the
-# line, one for showing that it is tangent to all samples. (b) Two points: one for an example such
-# as a wheel, one for its tangent flow, which makes the rank less than six. A proof that the example
-# satisfies (4.5) is not required.
+# One point for the negation of (4.5): a direction $\mathbf{m}$ whose points are on one line. One
+# for an affine $\alpha \neq 0$ that vanishes on the line. One for showing that $\alpha\,\mathbf{m}$
+# is tangent to all samples. One for the conclusion that the rank is less than six.
 
 # %% [markdown]
 # **04.9** "There are more equations than unknowns, so the least-squares problem has a unique
-# solution." (a) Explain with the star of four neighbours why this is wrong. (b) What should a
-# program do at such a vertex?
+# solution." Explain with the star of four neighbours why this is wrong. You may quote (4.6).
 #
 # <details><summary>Hint</summary>
 #
-# Add up the flow out of a triangle. For a tangent flow, what does the sum say about
-# $\operatorname{div}\mathbf{u}$? How many equations of a star are then independent, at most?
+# How many equations and how many vertices has this star? What does (4.6) say about the number of
+# independent equations?
 #
 # </details>
 
-# %% [markdown] answer="04.9" points=3 minutes=10 words=80
-# (a) The solution is unique if and only if the *rank* is six, and rows may depend on each other.
-# The star has eight equations, but only five vertices. By (4.6) its rank is that of a matrix with
-# one row for each vertex, so it is at most five.
+# %% [markdown] answer="04.9" points=3 minutes=10 words=60
+# The solution is unique if and only if the *rank* is six. Rows may depend on each other, so the
+# number of rows does not decide. The star has eight equations, but only five vertices. By (4.6) its
+# rank is that of a matrix with one row for each vertex, so it is at most five.
 #
-# (b) The program should test the smallest singular value. Where it is too small, more samples are
-# needed, such as the edges of the next ring of triangles.
-#
-# *Beyond the question.* The bound follows without (4.6), too. For an affine flow the flow out of
-# each triangle, divided by its area, is $\operatorname{div}\mathbf{u}$, which is the same for all
+# *Beyond the question.* The bound follows without (4.6), too. The flux of an affine flow through an
+# edge is the length of the edge times the normal velocity at its midpoint. The flux out of each
+# triangle, divided by its area, is $\operatorname{div}\mathbf{u}$, which is the same for all
 # $k$ triangles. These are $k - 1$ independent relations between the $2k$ equations, so the rank is
 # at most $k + 1$. So $k \ge 5$ is necessary, and it is sufficient unless the six or more vertices
 # lie on a conic. A solver of the normal equations returns numbers without a warning, right in their
-# normal components and arbitrary in the tangent flow.
+# normal components and arbitrary in the tangent flow. A program should test the smallest singular
+# value. Where it is too small, more samples are needed, such as the edges of the next ring of
+# triangles. "Take the pseudo-inverse" is no remedy, since its answer is arbitrary.
 
 # %% [markdown] rubric="04.9"
-# (a) Two points: one for the rank against the number of equations, one for the reason that the rank
-# is at most five. The reason may be the five vertices, or the outflows of the triangles. (b) One
-# for a remedy: test the rank and enlarge the neighbourhood; "take the pseudo-inverse" earns
-# nothing, since its answer is arbitrary.
+# One point for uniqueness by the rank. One for saying that equations may depend on each other. One
+# for the reason that the rank is at most five: the five vertices by (4.6), which may be quoted, or
+# the fluxes out of the triangles.
 
 # %% [markdown]
 # ## Dig deeper

@@ -370,40 +370,39 @@ def truth_and_data(seed):
 # ### In words
 #
 # **05.5** Formula (5.3) uses the mean of the velocities at the two ends of an edge for the velocity
-# at its midpoint. (a) Show that this is exact for the field (5.2), and name the property of the
-# field that you use. (b) Find the leading term of the error for other fields.
+# at its midpoint. Find the leading term of the error for a smooth field, and conclude that there is
+# no error for the field (5.2).
 #
 # <details><summary>Hint</summary>
 #
-# Insert the midpoint of (5.1) into (5.2). For other fields take the velocity along one edge as a
-# function of one variable, and its Taylor series about the midpoint. Which terms cancel in the mean
-# of the two ends?
+# Take the velocity along one edge as a function of one variable, and its Taylor series about the
+# midpoint. Which terms cancel in the mean of the two ends? Which derivatives has the field (5.2)?
 #
 # </details>
 
-# %% [markdown] answer="05.5" points=4 minutes=15 words=80
-# (a) By (5.1), $\tfrac12(\mathbf{u}_i + \mathbf{u}_j) = \mathbf{J}\left(\tfrac12(\mathbf{x}_i +
-# \mathbf{x}_j) - \mathbf{m}\right) = \mathbf{u}(\mathbf{p}_a)$. The property is that the field is
-# affine: an affine map takes the mean of two points to the mean of their images.
-#
-# (b) Let $t$ be the distance from the midpoint along an edge of length $l$. The ends are at $t =
-# \pm l/2$, so the odd terms of the Taylor series cancel in the mean:
+# %% [markdown] answer="05.5" points=4 minutes=15 words=70
+# Let $t$ be the distance from the midpoint along an edge of length $l$. The ends are at $t = \pm
+# l/2$, so the odd terms of the Taylor series cancel in the mean:
 #
 # $$ \tfrac12(\mathbf{u}_i + \mathbf{u}_j) = \mathbf{u}(\mathbf{p}_a) + \tfrac18 l^2\,
 #    \partial_t^2\mathbf{u}(\mathbf{p}_a) + O(l^4). $$
 #
-# The error is of second order in $l$.
+# The error is of second order in $l$. The field (5.2) is affine, so all its second and higher
+# derivatives are zero, and the mean is exact.
 #
 # *Beyond the question.* The field is linear in $\mathbf{x} - \mathbf{m}$, but linear in
-# $\mathbf{x}$ only if $\mathbf{m} = \mathbf{0}$. Its derivative $\mathbf{J}$ has the trace zero, so
-# the field is free of divergence: a rigid rotation about $\mathbf{m}$. The constant part is
-# reproduced because the weights $\tfrac12 + \tfrac12$ sum to one. Halving the edges makes the error
-# four times smaller.
+# $\mathbf{x}$ only if $\mathbf{m} = \mathbf{0}$. Without derivatives, by (5.1),
+# $\tfrac12(\mathbf{u}_i + \mathbf{u}_j) = \mathbf{J}\left(\tfrac12(\mathbf{x}_i + \mathbf{x}_j) -
+# \mathbf{m}\right) = \mathbf{u}(\mathbf{p}_a)$: an affine map takes the mean of two points to the
+# mean of their images. The constant part is reproduced because the weights $\tfrac12 + \tfrac12$
+# sum to one. The derivative $\mathbf{J}$ has the trace zero, so the field is free of divergence: a
+# rigid rotation about $\mathbf{m}$. Halving the edges makes the error four times smaller.
 
 # %% [markdown] rubric="05.5"
-# (a) Two points: one for the calculation, one for the property, that the field is affine in
-# $\mathbf{x}$ (linear in $\mathbf{x}-\mathbf{m}$). (b) Two points: one for the second derivative
-# along the edge, one for the second order in its length; the factor $\tfrac18$ is not required.
+# One point for the Taylor series about the midpoint, in which the odd terms cancel. One for the
+# second derivative along the edge; the factor $\tfrac18$ is not required. One for the second order
+# in the length. One for the field (5.2): it is affine in $\mathbf{x}$ (linear in
+# $\mathbf{x}-\mathbf{m}$), so the error is zero.
 
 # %% [markdown]
 # ## The ring of a vertex
@@ -513,8 +512,9 @@ def rings_around(vertex):
 #
 # ### 05.7 The matrix
 #
-# Write $\mathbf{B}'$ of (5.6). It is the matrix of 04.1 for the points $\mathbf{y}_a$; if you have
-# written 04.1, you may adapt your function.
+# Write $\mathbf{B}'$ of (5.6). The matrix is that of 04.1. New is the origin, which is the vertex
+# and no longer fixed: so the first two unknowns are the velocity at the vertex, wherever the mesh
+# lies. If you have written 04.1, copy it into the cell and call it. For which points?
 
 
 # %% question="05.7" minutes=10
@@ -545,7 +545,8 @@ check("05.7")
 #
 # ### 05.8 The velocity at a vertex
 #
-# Write a function that returns $\mathbf{u}(\mathbf{x}_i)$ for given weights.
+# Write a function that returns $\mathbf{u}(\mathbf{x}_i)$ for given weights. The mesh may have any
+# size.
 #
 # <details><summary>Hint</summary>
 #
@@ -653,13 +654,13 @@ def reconstruction(rings, epsilon, seed):
 #
 # ### 05.9 The ranks
 #
-# Write a function that returns the rank of $\mathbf{B}'$ at every vertex of a mesh. At one vertex
-# it is the rank of the matrix of 04.2 for the samples of the ring, with another scaling and
-# another tolerance; if you have written 04.2, you may adapt your function. The rank must depend
-# neither on the position of the mesh nor on the unit of length: a mesh in millimetres has the
-# same ranks as one in metres. Divide each column of $\mathbf{B}'$ by its norm, and count singular
-# values below $10^{-6}$ as zero: far from the origin the rounding errors are close to the
-# tolerance of 04.2. Every point is a corner of at least one triangle.
+# Write a function that returns the rank of $\mathbf{B}'$ at every vertex of a mesh. In 04.2 the
+# samples of one vertex were given. New here are the samples, which your functions select for each
+# vertex, and the scaling: the points are not scaled, but each column of $\mathbf{B}'$ is divided by
+# its norm. Count singular values below $10^{-6}$ as zero: far from the origin the rounding errors
+# are close to the tolerance of 04.2. The rank must depend neither on the position of the mesh nor
+# on the unit of length: a mesh in millimetres has the same ranks as one in metres. Every point is a
+# corner of at least one triangle.
 #
 # <details><summary>Hint</summary>
 #
@@ -817,26 +818,23 @@ def tangent_flows(triangles, turn):
 #
 # ### In words
 #
-# **05.10** Why does the reconstruction fail if a conic passes through all vertices of a ring? (a)
-# Let $\psi \neq 0$ be a polynomial of degree at most two that vanishes at these vertices. Show that
-# $\mathbf{u} = (\partial\psi/\partial y_2, -\partial\psi/\partial y_1)$ is not zero and is a flow
-# of (5.8). (b) Why does such a $\psi$ exist for every ring with at most five vertices? (c) At which
-# vertices of a mesh is the rank with one ring therefore always less than six?
+# **05.10** Let $\psi \neq 0$ be a polynomial of degree at most two that vanishes at all vertices of
+# a ring; its zeros are a conic. Show that $\mathbf{u} = (\partial\psi/\partial y_2,
+# -\partial\psi/\partial y_1)$ is a flow of (5.8) and not zero, so that the reconstruction fails.
 #
 # <details><summary>Hint</summary>
 #
 # How much does $\psi$ change along an edge? Express the change by $\mathbf{n}_a \cdot \mathbf{u}$,
-# which is affine along the edge, and integrate it by its value at the midpoint. How many
-# coefficients has $\psi$, and how many equations make it vanish at all vertices?
+# which is affine along the edge, and integrate it by its value at the midpoint.
 #
 # </details>
 
-# %% [markdown] answer="05.10" points=5 minutes=20 words=170
-# (a) Since $\psi$ is quadratic, $\mathbf{u}$ is affine. It is not zero, since $\psi \neq 0$
-# vanishes at the vertices and so is not constant. Along the edge from $\mathbf{x}_i$ to
-# $\mathbf{x}_j$, of length $l_a$, the derivative of $\psi$ is $\mathbf{n}_a\cdot\mathbf{u}$, up to
-# the sign of the normal. This is an affine function along the edge, so its integral is the length
-# times its value in the middle:
+# %% [markdown] answer="05.10" points=5 minutes=20 words=110
+# Since $\psi$ is quadratic, $\mathbf{u}$ is affine. It is not zero, since $\psi \neq 0$ vanishes at
+# the vertices and so is not constant. Along the edge from $\mathbf{x}_i$ to $\mathbf{x}_j$, of
+# length $l_a$, the derivative of $\psi$ is $\mathbf{n}_a\cdot\mathbf{u}$, up to the sign of the
+# normal. This is an affine function along the edge, so its integral is the length times its value
+# in the middle:
 #
 # $$ \psi(\mathbf{x}_j) - \psi(\mathbf{x}_i)
 #    = \pm l_a\, \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a). $$
@@ -844,29 +842,25 @@ def tangent_flows(triangles, turn):
 # The left-hand side is zero for all edges of the ring, so $\mathbf{u}$ is a flow of (5.8). It can
 # be added to every solution, so the data do not determine the velocity field.
 #
-# (b) The polynomial has six coefficients. At most five vertices give at most five homogeneous
-# linear equations for them, so there is a solution that is not zero.
-#
-# (c) An inner vertex with $k$ triangles has $k + 1$ vertices in its ring, a boundary vertex has
-# $k + 2$. So the rank is less than six at inner vertices with three or four triangles, and at
-# boundary vertices with one to three.
-#
-# *Beyond the question.* The converse holds too. By the theorem of Gauss nothing flows out of a
-# triangle in a flow of (5.8), so this flow has no divergence and such a $\psi$. It is equal at all
-# vertices, because the edges connect them; choose the constant so that it is zero there. So the
-# null space of $\mathbf{B}'$ is as large as the space of quadratic polynomials that vanish at all
-# vertices. The rank is the number of vertices of the ring, at most six, unless they are in special
-# position. For six or more vertices the special position is that all are on one conic. The velocity
-# $\mathbf{c}_0$ at the vertex is still determined if every tangent flow is zero there. This is so
-# where four neighbours lie on two lines through the vertex. The remedy is a second ring where one
-# is not enough, with a test of the rank, or better of the smallest singular value.
+# *Beyond the question.* A ring with at most five vertices always has such a $\psi$: six
+# coefficients satisfy at most five homogeneous linear equations. An inner vertex with $k$ triangles
+# has $k + 1$ vertices in its ring, a boundary vertex has $k + 2$. So the rank is less than six at
+# inner vertices with three or four triangles, and at boundary vertices with one to three. The
+# converse holds too. By the theorem of Gauss nothing flows out of a triangle in a flow of (5.8), so
+# this flow has no divergence and such a $\psi$. It is equal at all vertices, because the edges
+# connect them; choose the constant so that it is zero there. So the null space of $\mathbf{B}'$ is
+# as large as the space of quadratic polynomials that vanish at all vertices. The rank is the number
+# of vertices of the ring, at most six, unless they are in special position. For six or more
+# vertices the special position is that all are on one conic. The velocity $\mathbf{c}_0$ at the
+# vertex is still determined if every tangent flow is zero there. This is so where four neighbours
+# lie on two lines through the vertex. The remedy is a second ring where one is not enough, with a
+# test of the rank, or better of the smallest singular value.
 
 # %% [markdown] rubric="05.10"
-# (a) Three points. One for an affine flow that is not zero. One for the change of $\psi$ along an
-# edge as the integral of the normal velocity. One for the value at the midpoint, which is zero. (b)
-# One point for six coefficients against at most five equations. (c) One point for the vertices:
-# inner ones with three or four triangles, boundary ones with one to three. The converse is not
-# required.
+# One point for an affine flow. One for the reason that it is not zero. One for the change of $\psi$
+# along an edge as the integral of the normal velocity. One for the value at the midpoint, by which
+# the integral is given. One for the conclusion: the value is zero, and the flow can be added to
+# every solution.
 
 # %% [markdown]
 # ## Your own mesh
@@ -928,7 +922,7 @@ def comparison(bend, epsilon):
 # ### In words
 #
 # **05.11** A program reconstructs the rotation (5.2) exactly to rounding at all vertices of rank
-# six, for every $\varepsilon$. (a) Explain this result. (b) What does such a test not show?
+# six, for every $\varepsilon$. Explain this result.
 #
 # <details><summary>Hint</summary>
 #
@@ -937,26 +931,24 @@ def comparison(bend, epsilon):
 #
 # </details>
 
-# %% [markdown] answer="05.11" points=3 minutes=15 words=90 optional
-# (a) The rotation is affine, so it is among the fields (5.4). By question 05.5 the data are its
-# exact normal velocities at the midpoints. So the true coefficients satisfy all equations, and the
+# %% [markdown] answer="05.11" points=3 minutes=15 words=60 optional
+# The rotation is affine, so it is among the fields (5.4). By question 05.5 the data are its exact
+# normal velocities at the midpoints. So the true coefficients satisfy all equations, and the
 # smallest residual of (5.7) is zero, whatever the positive weights. With rank six no other
 # $\mathbf{c}$ has this residual.
 #
-# (b) The test contains only an affine field. It does not show the error for a flow that is not
-# affine, for which (5.3) and (5.4) are approximations. Nor does it show the effect of noise.
-#
 # *Beyond the question.* Weights are a compromise between equations that contradict each other; here
 # none do. At vertices of lower rank the error has the size of the velocity itself, and the solver
-# determines which of the many solutions is returned. The test does show that the program has no
-# mistake in geometry, signs and indices, and which vertices are not determined. It does not show
-# that the method is stable: vertices nearly on a conic have rank six and pass the test, but they
-# magnify every error of the data.
+# determines which of the many solutions is returned. The test shows that the program has no mistake
+# in geometry, signs and indices, and which vertices are not determined. It contains only an affine
+# field. So it does not show the error for a flow that is not affine, for which (5.3) and (5.4) are
+# approximations. Nor does it show the effect of noise, or that the method is stable: vertices
+# nearly on a conic have rank six and pass the test, but they magnify every error of the data.
 
 # %% [markdown] rubric="05.11"
-# (a) Two points: one for the reason that the true coefficients satisfy all equations, so that the
-# weights have no influence; one for uniqueness by rank six. (b) One point for the limits of the
-# test: it contains only an affine field, no curvature or no noise.
+# One point for the reason that the true coefficients satisfy all equations: the field is affine,
+# and the data are exact. One for the residual, which is zero for all weights. One for uniqueness by
+# rank six.
 
 # %% [markdown]
 # ## Dig deeper

@@ -787,9 +787,8 @@ def defect_and_error(s, strain, noise):
 #
 # ### In words
 #
-# **06.9** (a) What does least squares discard from the data of a cell, and what does the defect
-# measure? (b) All defects of a solver's output are zero. Does this show that the velocities of the
-# cells are accurate? Give a reason or an example.
+# **06.9** All defects of a solver's output are zero. Does this show that the velocities of the
+# cells are accurate? Explain what the defect measures, and give an example.
 #
 # <details><summary>Hint</summary>
 #
@@ -799,14 +798,14 @@ def defect_and_error(s, strain, noise):
 # </details>
 
 # %% [markdown] answer="06.9" points=4 minutes=15 words=120
-# (a) By (6.3) the range of $\mathbf{N}$ consists of the vectors orthogonal to $\mathbf{l}$. Least
+# No. By (6.3) the range of $\mathbf{N}$ consists of the vectors orthogonal to $\mathbf{l}$. Least
 # squares replaces $\mathbf{v}$ by the closest of them and returns the velocity of these data. It
 # discards the component along $\mathbf{l}$, which is the net outflow. The defect is the length of
 # this component.
 #
-# (b) No. Zero defects show that in each cell *some* constant velocity fits its three numbers. They
-# do not show that the field is constant in the cell, and hence not that the velocity is accurate.
-# The strain $(x, -y)$ has no defect, and its error is of the size of the cell.
+# Zero defects show that in each cell *some* constant velocity fits its three numbers. They do not
+# show that the field is constant in the cell, and hence not that the velocity is accurate. The
+# strain $(x, -y)$ has no defect, and its error is of the size of the cell.
 #
 # *Beyond the question.* The closest vector is $\mathbf{v} -
 # \mathbf{l}\,(\mathbf{l}\cdot\mathbf{v})/\lVert\mathbf{l}\rVert^2$. Noise has three components in
@@ -814,10 +813,10 @@ def defect_and_error(s, strain, noise):
 # the defect as it is. Consistent data need not be accurate.
 
 # %% [markdown] rubric="06.9"
-# (a) Two points: one for what is discarded, the component along $\mathbf{l}$, which is the net
-# outflow or divergence; one for: the defect measures this part, and nothing else. (b) Two points:
-# one for "no", one for a reason or an example, such as the strain, or noise orthogonal to
-# $\mathbf{l}$.
+# One point for "no": zero defects show only that a constant velocity fits the three numbers. One
+# for the discarded component along $\mathbf{l}$, which is the net outflow or divergence. One for:
+# the defect measures this component, and nothing else. One for an example, such as the strain, or
+# noise orthogonal to $\mathbf{l}$.
 
 # %% [markdown]
 # ## Dig deeper

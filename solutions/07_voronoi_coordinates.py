@@ -744,9 +744,9 @@ def landscape(size):
 #
 # ## In words
 #
-# **07.9** Explain the three errors along the spiral. Which requirement explains the error (a) of
-# $\phi_a = 1$ and (b) of $\phi_a = p_{a,1} + p_{a,2}$? (c) Derive the limit of the error of
-# $\phi_a = (p_{a,1} + p_{a,2})^2$ at the centre of a hexagon of radius $R$ around the origin.
+# **07.9** Explain the errors of the three fields along the spiral by the properties of the
+# coordinates. For $\phi_a = (p_{a,1} + p_{a,2})^2$ derive the limit of the error at the centre of a
+# hexagon of radius $R$ around the origin.
 #
 # <details><summary>Hint</summary>
 #
@@ -756,15 +756,13 @@ def landscape(size):
 # </details>
 
 # %% [markdown] answer="07.9" points=4 minutes=15 words=90
-# (a) The constant is reproduced up to rounding at all points, since the coordinates sum to one
-# (partition of unity).
+# The constant is reproduced up to rounding at all points, since the coordinates sum to one
+# (partition of unity). The linear field is reproduced up to rounding because $\sum_a \omega_a
+# \mathbf{p}_a = \mathbf{x}$ (linear precision).
 #
-# (b) The linear field is reproduced up to rounding because $\sum_a \omega_a \mathbf{p}_a =
-# \mathbf{x}$ (linear precision).
-#
-# (c) By symmetry all six coordinates are $1/6$ at the centre, so the value there is the mean of the
-# $\phi_a$. For $(x_1+x_2)^2$ the corners at the distance $R/\sqrt3$ have the mean $R^2/3$, while
-# the field is zero at the centre. So the error tends to $R^2/3$.
+# The quadratic field is not reproduced. By symmetry all six coordinates are $1/6$ at the centre, so
+# the value there is the mean of the $\phi_a$. The corners at the distance $R/\sqrt3$ have the mean
+# $R^2/3$, while the field is zero at the centre. So the error tends to $R^2/3$.
 #
 # *Beyond the question.* For every field $\phi(\mathbf{x}) = c_0 + \mathbf{c}^T\mathbf{x}$ the sum
 # is $c_0 \sum_a \omega_a + \mathbf{c}^T \sum_a \omega_a \mathbf{p}_a$, so affine fields are
@@ -773,42 +771,39 @@ def landscape(size):
 # the error is smaller, since two neighbouring corners have nearly all the weight.
 
 # %% [markdown] rubric="07.9"
-# (a) One point for the constant with partition of unity as the reason. (b) One for the linear field
-# with linear precision as the reason. (c) Two points: one for the coordinates $1/6$, so that the
-# value at the centre is the mean of the corners; one for the limit $R^2/3$.
+# One point for the constant with partition of unity as the reason. One for the linear field with
+# linear precision as the reason. One for the coordinates $1/6$, so that the value at the centre is
+# the mean of the corners. One for the limit $R^2/3$.
 
 # %% [markdown]
-# **07.10** (a) Why are the edges of the circumcentric dual perpendicular to the edges of the
-# mesh? (b) Why are the dual cells of a Delaunay mesh convex and without overlap? (c) Which of
-# these properties remain if the mesh is not a Delaunay mesh?
+# **07.10** Why are the circumcentric dual cells of the inner vertices of a Delaunay mesh convex and
+# without overlap?
 #
 # <details><summary>Hint</summary>
 #
-# The dual edge that crosses the edge from $\mathbf{x}_i$ to $\mathbf{x}_b$ joins two points, and
-# each of them has the same distance from $\mathbf{x}_i$ and from $\mathbf{x}_b$. Move the slider of
-# the picture with two duals beyond 2, and count the vertices inside a circumscribed circle.
+# Which vertices are nearest to a circumcentre? Move the slider of the picture with two duals beyond
+# 2, and count the vertices inside a circumscribed circle.
 #
 # </details>
 
 # %% [markdown] answer="07.10" points=3 minutes=10 words=100
-# (a) Dual edges are perpendicular to the edges of the mesh: both ends lie on the perpendicular
-# bisector of the edge.
+# In a Delaunay mesh no vertex is inside the circumscribed circle of a triangle. So no vertex is
+# closer to the circumcentre $\mathbf{p}_a$ than the corners of its triangle, and the circumcentres
+# around an inner vertex are the corners of its Voronoi cell: of all points that are at least as
+# close to this vertex as to any other. This cell is an intersection of half-planes, one for each
+# other vertex, so it is convex. Cells of two vertices have only boundary points in common, since an
+# inner point is closer to its own vertex than to all others.
 #
-# (b) In a Delaunay mesh no vertex is inside the circumscribed circle of a triangle, so no vertex is
-# closer to $\mathbf{p}_a$ than $\mathbf{x}_i$. Then the circumcentres around an inner vertex are
-# the corners of its Voronoi cell, an intersection of half-planes. So the dual cells are convex and
-# do not overlap.
-#
-# (c) The right angles remain. Convexity is lost: two circumcentres exchange their order along a
-# bisector, and the dual intersects itself.
-#
-# *Beyond the question.* In the picture this happens beyond the distance 2, where the two angles
-# opposite to an edge sum to more than 180°. A circumcentre outside its triangle alone does no harm.
+# *Beyond the question.* Dual edges are perpendicular to the edges of the mesh in every mesh, since
+# both ends lie on the perpendicular bisector of the edge. Convexity is lost in a mesh that is not a
+# Delaunay mesh: two circumcentres exchange their order along a bisector, and the dual intersects
+# itself. In the picture this happens beyond the distance 2, where the two angles opposite to an
+# edge sum to more than 180°. A circumcentre outside its triangle alone does no harm.
 
 # %% [markdown] rubric="07.10"
-# (a) One point for the perpendicular bisector. (b) One for empty circles, or for the Voronoi cell
-# as an intersection of half-planes. (c) One for: the right angles remain, the other properties are
-# lost, with a reason or the picture.
+# One point for empty circumscribed circles. One for the circumcentres as corners of the Voronoi
+# cell. One for convex cells without overlap: intersections of half-planes, or sets of points
+# closest to one vertex.
 
 # %% [markdown]
 # **07.11** Derive (7.5) from (7.3). Name the property of the dual that you use, and show how the

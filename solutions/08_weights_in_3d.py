@@ -248,13 +248,9 @@ check("08.2")
 # %% [markdown]
 # ## Step 1: the normals
 #
-# **08.3** Complete the derivation: what stands for (A) to (G)? Face $b$ of the Voronoi cell
-# separates the points closer to $\mathbf{x}_i$ from the points closer to **(A)**. So all its points
-# $\mathbf{y}$ satisfy $\lVert\mathbf{y} - \mathbf{x}_i\rVert =$ **(B)**. Squared and expanded, this
-# is $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) =$ **(C)**. This is a plane
-# perpendicular to **(D)** through the point **(E)**. With
-# $l_b = \lVert \mathbf{x}_b - \mathbf{x}_i \rVert$ the *outward unit* normal is therefore
-# $\mathbf{n}_b =$ **(F)**. It points outwards because **(G)**.
+# **08.3** Derive the *outward unit* normal $\mathbf{n}_b$ of face $b$ of the Voronoi cell, with the
+# length $l_b = \lVert \mathbf{x}_b - \mathbf{x}_i \rVert$ of the edge. Begin with the points
+# $\mathbf{y}$ of the face: they have the same distance from $\mathbf{x}_i$ and from $\mathbf{x}_b$.
 #
 # <details><summary>Hint</summary>
 #
@@ -264,18 +260,18 @@ check("08.2")
 # </details>
 
 # %% [markdown] answer="08.3" points=2 minutes=5 words=30
-# (A) $\mathbf{x}_b$, (B) $\lVert\mathbf{y} - \mathbf{x}_b\rVert$, (C) $\tfrac12 l_b^2$, (D) the
-# edge $\mathbf{x}_b - \mathbf{x}_i$, (E) its midpoint, (F) $(\mathbf{x}_b - \mathbf{x}_i)/l_b$, (G)
-# the left side is less than $\tfrac12 l_b^2$ at $\mathbf{x}_i$, inside the cell.
+# Squared and expanded, $\lVert\mathbf{y} - \mathbf{x}_i\rVert = \lVert\mathbf{y} -
+# \mathbf{x}_b\rVert$ is $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{y} - \mathbf{x}_i) = \tfrac12
+# l_b^2$. This is a plane perpendicular to the edge, so $\mathbf{n}_b = (\mathbf{x}_b -
+# \mathbf{x}_i)/l_b$. It points outwards: at $\mathbf{x}_i$, inside the cell, the left side is
+# smaller, zero.
 #
-# *Beyond the question.* For (C), expand $\lVert\mathbf{y} - \mathbf{x}_b\rVert^2$ about
-# $\mathbf{x}_i$, as the hint says. The term $\lVert\mathbf{y} - \mathbf{x}_i\rVert^2$ stands on
-# both sides and cancels.
+# *Beyond the question.* The plane passes through the midpoint of the edge, where $\mathbf{y} -
+# \mathbf{x}_i$ is half of $\mathbf{x}_b - \mathbf{x}_i$.
 
 # %% [markdown] rubric="08.3"
-# One point for (A) to (E): the plane, from equal distances to $\mathbf{x}_i$ and $\mathbf{x}_b$.
-# One for (F) and (G): the normal along the edge, of length one, and a reason why it points
-# outwards.
+# One point for the plane, from equal distances to $\mathbf{x}_i$ and $\mathbf{x}_b$. One for the
+# normal along the edge, of length one, with a reason why it points outwards.
 
 # %% [markdown]
 # ## Step 2: the volume of the normals
@@ -536,9 +532,7 @@ def from_every_corner(b):
 
 
 # %% [markdown]
-# **08.9** (a) Prove (8.5) for every point $\mathbf{x}$ and every corner $a$ of face $b$. (b)
-# Conclude what (8.5) means for *slivers*: tetrahedra so flat that rounding errors spoil their
-# circumcentres.
+# **08.9** Prove (8.5) for every point $\mathbf{x}$ and every corner $a$ of face $b$.
 #
 # <details><summary>Hint</summary>
 #
@@ -547,23 +541,22 @@ def from_every_corner(b):
 #
 # </details>
 
-# %% [markdown] answer="08.9" points=3 minutes=10 words=60
-# (a) The circumcentre has the same distance from $\mathbf{x}_b$ and $\mathbf{x}_i$:
-# $\lVert\mathbf{p}_a - \mathbf{x}_i\rVert^2 = \lVert(\mathbf{p}_a - \mathbf{x}_i) - (\mathbf{x}_b -
-# \mathbf{x}_i)\rVert^2$. Expanded, this is $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{p}_a -
-# \mathbf{x}_i) = \tfrac12 l_b^2$. Subtracting $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{x} -
-# \mathbf{x}_i)$ from both sides gives (8.5).
-#
-# (b) By (8.5) the weights need heights and volumes, and no circumcentres. So a large error in the
-# circumcentre of a sliver does no harm.
+# %% [markdown] answer="08.9" points=3 minutes=10 words=40
+# Begin with $\mathbf{x} = \mathbf{x}_i$. The circumcentre has the same distance from $\mathbf{x}_b$
+# and $\mathbf{x}_i$: $\lVert\mathbf{p}_a - \mathbf{x}_i\rVert^2 = \lVert(\mathbf{p}_a -
+# \mathbf{x}_i) - (\mathbf{x}_b - \mathbf{x}_i)\rVert^2$. Expanded, this is $(\mathbf{x}_b -
+# \mathbf{x}_i)^T(\mathbf{p}_a - \mathbf{x}_i) = \tfrac12 l_b^2$. For any other point subtract
+# $(\mathbf{x}_b - \mathbf{x}_i)^T(\mathbf{x} - \mathbf{x}_i)$ from both sides: this gives (8.5).
 #
 # *Beyond the question.* The right side of (8.5) does not depend on $a$: $h_b$ is the same number
-# from every corner of the face. A second consequence is that no division by zero remains on faces
-# if the weights are multiplied by $\prod_b h_b$.
+# from every corner of the face. By (8.5) the weights need heights and volumes, and no
+# circumcentres. So a large error in the circumcentre of a *sliver*, a tetrahedron so flat that
+# rounding errors spoil it, does no harm. A second consequence is that no division by zero remains
+# on faces if the weights are multiplied by $\prod_b h_b$.
 
 # %% [markdown] rubric="08.9"
-# (a) One point for the equation of equal distances, which is the case $\mathbf{x} = \mathbf{x}_i$.
-# One for the general point. (b) One point: no circumcentre is needed.
+# One point for the equation of equal distances. One for expanding it, which is the case $\mathbf{x}
+# = \mathbf{x}_i$. One for the general point.
 
 # %% [markdown]
 # ### 08.10 Coordinates without division

@@ -248,8 +248,9 @@ check("09.1")
 # The full singular value decomposition $\mathbf{P} = \mathbf{U}\mathbf{S}\mathbf{V}^T$ has a square
 # $\mathbf{U}$. Which of its columns are orthogonal to all columns of $\mathbf{P}$? Their number
 # depends on the rank of $\mathbf{P}$, which may be less than $Q$. The function
-# `np.linalg.matrix_rank` has a relative tolerance `rtol`. For $Q = 0$ the rank is zero, but some
-# versions of NumPy cannot compute it.
+# `np.linalg.matrix_rank` has a relative tolerance `rtol`; its default, and that of
+# `np.linalg.pinv`, is about $10^{-15}$, not that of the text. For $Q = 0$ the rank is zero, but
+# some versions of NumPy cannot compute it.
 #
 # </details>
 
@@ -859,35 +860,34 @@ def with_slopes(slope):
 # ## In words
 #
 # **09.8** A program uses $\varphi_3 = r^3$ with the constant only, $n = 0$, instead of $n = 1$. It
-# has worked for every set of points so far. (a) What can go wrong for other points? Explain it with
-# the quadratic form. (b) Give a kernel, a degree that is too low, and distinct points for which the
-# matrix of (9.3) is singular.
+# has worked for every set of points so far. Explain with the quadratic form what can go wrong for
+# other points.
 #
 # <details><summary>Hint</summary>
 #
 # Imagine two sets of points, one with a positive determinant and one with a negative determinant,
-# and a path between them. For the example look at the first picture.
+# and a path between them.
 #
 # </details>
 
-# %% [markdown] answer="09.8" points=4 minutes=15 words=100
-# (a) $r^3$ has the order two: $\boldsymbol\lambda^T\mathbf{A}\boldsymbol\lambda$ is positive only
-# if the $\lambda_j$ annihilate constants and linear functions. Under $\sum\lambda_j = 0$ alone
-# the form takes both signs for some points. So an eigenvalue may pass through zero as points
-# move, and for some distinct points the matrix is singular. Such points are exceptional, so the
-# program may have missed them. Near them the coefficients are huge and the field oscillates.
+# %% [markdown] answer="09.8" points=4 minutes=15 words=80
+# $r^3$ has the order two: $\boldsymbol\lambda^T\mathbf{A}\boldsymbol\lambda$ is positive only if
+# the $\lambda_j$ annihilate constants and linear functions. Under $\sum\lambda_j = 0$ alone the
+# form takes both signs for some points. So an eigenvalue may pass through zero as points move, and
+# for some distinct points the matrix is singular. Such points are exceptional, so the program may
+# have missed them. Near them the coefficients are huge and the field oscillates.
 #
-# (b) Take $r^2\log r$ without a polynomial, $n = -1$, and an equilateral triangle with the side 1.
-# All distances are 0 or 1, and $\varphi_2$ vanishes at both, so $\mathbf{A} = \mathbf{0}$.
-#
-# *Beyond the question.* For $r^3$ itself with $n = 0$ an example is a triangle with the sides $1$,
-# $1$ and $2^{2/3}$. The degree $n = 2$ is allowed for $r^3$: a form that is positive on a space is
-# positive on every subspace. But the points must then be unisolvent for quadratic polynomials.
+# *Beyond the question.* An example is a triangle with the sides $1$, $1$ and $2^{2/3}$. For
+# $r^2\log r$ without a polynomial, $n = -1$, it is an equilateral triangle with the side 1: all
+# distances are 0 or 1, and $\varphi_2$ vanishes at both, so $\mathbf{A} = \mathbf{0}$. The degree
+# $n = 2$ is allowed for $r^3$: a form that is positive on a space is positive on every subspace.
+# But the points must then be unisolvent for quadratic polynomials.
 
 # %% [markdown] rubric="09.8"
-# (a) One point: under fewer side conditions the form takes both signs for some points. One: hence
-# the matrix is singular for some distinct points. One: near them the coefficients are large,
-# although the program has worked so far. (b) One point for a correct example with a reason.
+# One point for the order two: the form is positive only if linear functions are annihilated, too.
+# One: under fewer side conditions the form takes both signs for some points. One: hence the matrix
+# is singular for some distinct points. One: near them the coefficients are large, although the
+# program has worked so far.
 
 # %% [markdown]
 # **09.9** Five points lie on a line of the plane, the kernel has the order two, and $n = 1$. Show

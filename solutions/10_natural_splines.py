@@ -839,9 +839,8 @@ def influence(which):
 # the number is no error.
 
 # %% [markdown]
-# **10.10** Answer by counting coefficients and conditions. (a) What is the dimension of the space
-# of cubic splines with $N$ sites? (b) What is the dimension of the subspace of natural splines for
-# $N \geq 2$? (c) What is it for $N = 1$?
+# **10.10** Derive the dimension of the space of natural cubic splines with $N \geq 2$ sites by
+# counting coefficients and conditions.
 #
 # <details><summary>Hint</summary>
 #
@@ -851,20 +850,18 @@ def influence(which):
 # </details>
 
 # %% [markdown] answer="10.10" points=3 minutes=10 words=70
-# (a) $N + 4$: a cubic polynomial before the first site has four coefficients, and each site adds a
-# truncated power with one coefficient.
+# All cubic splines form a space of dimension $N + 4$: a cubic polynomial before the first site has
+# four coefficients, and each site adds a truncated power with one coefficient. A straight line on
+# the left takes two conditions (no $x^2$, no $x^3$). A straight line on the right takes two more,
+# which are (10.2). For $N \geq 2$ the four are independent, so the dimension is $N$.
 #
-# (b) $N$: a straight line on the left takes two conditions (no $x^2$, no $x^3$). A straight line on
-# the right takes two more, which are (10.2). For $N \geq 2$ the four are independent.
-#
-# (c) Two: now (10.2) is $\alpha_1 = 0$ twice. The natural splines are the straight lines.
-#
-# *Beyond the question.* For $N \geq 2$ the dimension is the number of values. Many straight lines
-# pass through a single pin, so interpolation needs $N \geq 2$.
+# *Beyond the question.* It is the number of values. For $N = 1$ the conditions (10.2) are $\alpha_1
+# = 0$ twice, and the natural splines are the straight lines: the dimension is two. Many straight
+# lines pass through a single pin, so interpolation needs $N \geq 2$.
 
 # %% [markdown] rubric="10.10"
-# (a) One point for $N + 4$ with a reason. (b) One for $N$ with the four conditions. (c) One for
-# $N = 1$: the conditions depend on each other (or: all straight lines are natural splines).
+# One point for $N + 4$ coefficients of a cubic spline. One for two conditions on each side. One for
+# $N$, since the four conditions are independent.
 
 # %% [markdown]
 # ## Dig deeper

@@ -820,9 +820,8 @@ def asteroid(height):
 # %% [markdown]
 # ## Questions in words
 #
-# **11.9** (a) What happens without off-surface points, and why? (b) Why are they added on both
-# sides? (c) What goes wrong for a very large $\Delta$ without the test, and for a very small
-# $\Delta$?
+# **11.9** Why does the method need off-surface points on both sides of the surface, at a distance
+# $\Delta$ that is neither very large nor very small?
 #
 # <details><summary>Hint</summary>
 #
@@ -832,14 +831,12 @@ def asteroid(height):
 # </details>
 
 # %% [markdown] answer="11.9" points=3 minutes=15 words=80
-# (a) All values are zero and the system is regular, so $F = 0$ everywhere.
+# Without them all values are zero and the system is regular, so $F = 0$ everywhere. Values on both
+# sides make $F$ change its sign at the surface, with a slope of about $-1$ along the normal.
 #
-# (b) Values on both sides make $F$ change its sign at the surface, with a slope of about $-1$ along
-# the normal.
-#
-# (c) A large $\Delta$ puts off-surface points into other parts of the body, where their values have
-# the wrong sign. A small $\Delta$ makes two rows of the matrix nearly equal, and divides errors of
-# the points by $\Delta$.
+# A large $\Delta$ puts off-surface points into other parts of the body, where their values have the
+# wrong sign. A small $\Delta$ makes two rows of the matrix nearly equal, and divides errors of the
+# points by $\Delta$.
 #
 # *Beyond the question.* The system is regular if the points do not all lie on one line (in space:
 # in one plane). With the slope $-1$, $F$ is close to the signed distance, and the level is well
@@ -848,15 +845,14 @@ def asteroid(height):
 # becomes rough, and the condition number of the matrix is large.
 
 # %% [markdown] rubric="11.9"
-# (a) One point for $F = 0$ with the reason. (b) One for the change of sign, or for the slope. (c)
+# One point for $F = 0$ without them, with the reason. One for the change of sign, or for the slope.
 # One for both ends of the range of $\Delta$; one end alone earns half.
 
 # %% [markdown]
 # **11.10** Wendland (*Scattered Data Approximation*, 2005, page 3) calls normals $b_i \mathbf{n}_i$
 # with signs $b_i = \pm 1$ consistently oriented if a sum over all links is minimal: $\sum b_i b_j
-# (1 - |\mathbf{n}_i^T\mathbf{n}_j|)$. (a) Show that this is wrong. (b) Show that no other weight
-# can be right if it does not depend on the signs of the given normals. (c) Which sum should be
-# maximal instead?
+# (1 - |\mathbf{n}_i^T\mathbf{n}_j|)$. Show that no weight that ignores the signs of the given
+# normals can be right, and correct the sum.
 #
 # <details><summary>Hint</summary>
 #
@@ -865,29 +861,28 @@ def asteroid(height):
 #
 # </details>
 
-# %% [markdown] answer="11.10" points=3 minutes=10 words=70 optional
-# (a) The weights are not negative. For outward normals $b = (1, \dots, 1)$ should be the answer;
-# but it makes every term as large as possible, so the sum is *maximal*.
+# %% [markdown] answer="11.10" points=3 minutes=10 words=60 optional
+# Invert one given normal. The weights stay as they are, so the best $b$ stays the same, while the
+# right answer has another sign at that point. So such a sum cannot be right for both.
 #
-# (b) Invert one given normal. The weights stay as they are, so the best $b$ stays the same, while
-# the right answer has another sign at that point.
+# The sum $\sum b_i b_j\, \mathbf{n}_i^T \mathbf{n}_j$ should be maximal: a term is positive where
+# neighbours agree.
 #
-# (c) $\sum b_i b_j\, \mathbf{n}_i^T \mathbf{n}_j$: a term is positive where neighbours agree.
-#
-# *Beyond the question.* The minimum of the sum in (a) puts opposite signs where the normals differ
-# most. The exact maximum of the sum in (c) is expensive. The tree is a good approximation: along
-# its links every term is made positive, or is zero. By (11.4) it prefers links with nearly parallel
-# normals, where the decision is safe.
+# *Beyond the question.* With Wendland's weights, which are not negative, $b = (1, \dots, 1)$ makes
+# every term as large as possible for outward normals, so the sum is *maximal* at the right answer.
+# Its minimum puts opposite signs where the normals differ most. The exact maximum of the corrected
+# sum is expensive. The tree is a good approximation: along its links every term is made positive,
+# or is zero. By (11.4) it prefers links with nearly parallel normals, where the decision is safe.
 
 # %% [markdown] rubric="11.10"
-# (a) One point: the right signs give the maximum. (b) One: such weights do not depend on which
-# normals are inverted. (c) One for the sum with signs of the scalar products; (11.4) as the weight
-# of the tree may be named.
+# One point for inverting one normal, or for outward normals, whose signs give the maximum. One for
+# the contradiction: the weights and the best signs stay the same, the right ones do not. One for
+# the sum with signs of the scalar products; (11.4) as the weight of the tree may be named.
 
 # %% [markdown]
 # **11.11** A sheet of metal has been scanned from both sides. Its thickness is smaller than the
-# distance between neighbouring points. (a) What goes wrong in the neighbourhood graph? (b) What
-# goes wrong in the orientation? (c) Which additional measurement would prevent it?
+# distance between neighbouring points. Why does the orientation of the normals along the
+# neighbourhood graph fail?
 #
 # <details><summary>Hint</summary>
 #
@@ -895,24 +890,22 @@ def asteroid(height):
 #
 # </details>
 
-# %% [markdown] answer="11.11" points=3 minutes=10 words=80 optional
-# (a) The nearest neighbours lie on both sides, so links pass through the sheet.
+# %% [markdown] answer="11.11" points=3 minutes=10 words=60 optional
+# The nearest neighbours lie on both sides, so links pass through the sheet. The normals of both
+# sides are parallel, so the links through the sheet are the cheapest of all, and the tree contains
+# some of them. Along such a link the same sign is given to both sides, and one of them then points
+# inward.
 #
-# (b) The normals of both sides are parallel, so the links through the sheet are the cheapest of
-# all. The same sign is given to both sides, and one of them then points inward.
-#
-# (c) The direction from which each point was seen, which scanners know: the normal points to the
-# scanner.
-#
-# *Beyond the question.* The plane fitted to the neighbours is a compromise. Its normal may still be
-# good where the sheet is flat, but not at its edge. Off-surface points on the inside pass the test
-# only within half of the thickness, and with wrong signs they contradict each other. Other remedies
-# are more points, with a spacing below the thickness, and normals from another measurement.
+# *Beyond the question.* A remedy is the direction from which each point was seen, which scanners
+# know: the normal points to the scanner. Other remedies are more points, with a spacing below the
+# thickness, and normals from another measurement. The plane fitted to the neighbours is a
+# compromise. Its normal may still be good where the sheet is flat, but not at its edge. Off-surface
+# points on the inside pass the test only within half of the thickness, and with wrong signs they
+# contradict each other.
 
 # %% [markdown] rubric="11.11"
-# (a) One point for neighbours, or links, from both sides. (b) One for the orientation: cheap links
-# with the wrong sign. (c) One for a remedy: direction to the scanner, measured normals, or denser
-# points.
+# One point for neighbours, or links, from both sides. One for cheap links, since the normals are
+# parallel. One for the wrong sign: both sides get the same direction, so one points inward.
 
 # %% [markdown]
 # ## Dig deeper

@@ -185,7 +185,8 @@ print(nearest_node(line, np.array([[0.4], [1.7]])))
 # %% [markdown]
 # ### 12.1 The weights
 #
-# Return $\mathbf{H}$. The function must work on a line, in the plane and in space. In the plane the
+# Return $\mathbf{H}$. The function must work on a line, in the plane and in space, and in any unit
+# of length. In the plane the
 # nodes do not all lie on one line, and in space they do not all lie in one plane. The argument
 # `points` contains the $\mathbf{y}_i$.
 #
@@ -301,11 +302,9 @@ def footprint(x, y):
 #    \mathbf{a}) \times \mathbf{f}_i . \tag{12.5} $$
 #
 # **12.3** Let $\mathbf{H}$ be any matrix, from any method, and let the loads be $\mathbf{g} =
-# \mathbf{H}^T\mathbf{f}$. (a) Prove that the total force is conserved for all $\mathbf{f}$ if and
-# only if each row of $\mathbf{H}$ sums to 1. (b) Let each row sum to 1. Prove that the total moment
-# is conserved for all $\mathbf{f}$ if and only if $\mathbf{H}$ reproduces linear fields. (c)
-# Wendland (*Scattered Data Approximation*, 2005, page 6) writes that interpolation is "crucial" for
-# conserving work. Is this right?
+# \mathbf{H}^T\mathbf{f}$. Prove that the total force and the total moment are conserved for all
+# $\mathbf{f}$ if and only if each row of $\mathbf{H}$ sums to 1 and $\mathbf{H}$ reproduces linear
+# fields.
 #
 # <details><summary>Hint</summary>
 #
@@ -314,26 +313,26 @@ def footprint(x, y):
 #
 # </details>
 
-# %% [markdown] answer="12.3" points=4 minutes=20 words=100
-# (a) The loads sum to $\sum_i (\sum_j H_{ij})\, \mathbf{f}_i$. If all rows sum to 1, this is
+# %% [markdown] answer="12.3" points=4 minutes=20 words=70
+# The loads sum to $\sum_i (\sum_j H_{ij})\, \mathbf{f}_i$. If all rows sum to 1, this is
 # $\sum_i\mathbf{f}_i$. Conversely, a single force at $\mathbf{y}_i$ is conserved only if its row
 # sums to 1.
 #
-# (b) The moment of the loads is $\sum_i (\sum_j H_{ij}\mathbf{x}_j) \times \mathbf{f}_i$. It is
-# $\sum_i \mathbf{y}_i \times \mathbf{f}_i$ for all forces exactly if $\sum_j H_{ij}\mathbf{x}_j =
+# The moment of the loads is $\sum_i (\sum_j H_{ij}\mathbf{x}_j) \times \mathbf{f}_i$. It is $\sum_i
+# \mathbf{y}_i \times \mathbf{f}_i$ for all forces exactly if $\sum_j H_{ij}\mathbf{x}_j =
 # \mathbf{y}_i$ (again by single forces): linear fields are reproduced.
-#
-# (c) No. By (12.3), work is conserved for every $\mathbf{H}$, whatever its values at nodes.
 #
 # *Beyond the question.* The moment about another point $\mathbf{a}$ is conserved as well, since the
 # total force is. Force and moment are the work in a rigid motion: a translation, or a rotation
-# $\boldsymbol\omega \times \mathbf{x}$. A least-squares fit of planes does not interpolate, and
-# conserves work, force and moment as well. The loads must be transferred by the transpose. If
-# displacements and loads are both interpolated, work *is* lost.
+# $\boldsymbol\omega \times \mathbf{x}$. Wendland (*Scattered Data Approximation*, 2005, page 6)
+# writes that interpolation is "crucial" for conserving work. It is not: by (12.3) work is conserved
+# for every $\mathbf{H}$, whatever its values at nodes. A least-squares fit of planes does not
+# interpolate, and conserves work, force and moment as well. The loads must be transferred by the
+# transpose. If displacements and loads are both interpolated, work *is* lost.
 
 # %% [markdown] rubric="12.3"
-# (a) One point for "if", one for "only if", by single forces for instance. (b) One point for the
-# moment with linear fields. (c) One point: no, since work is conserved for every $\mathbf{H}$.
+# One point for the force, "if". One for the force, "only if", by single forces for instance. One
+# for the moment, "if". One for the moment, "only if".
 
 # %% [markdown]
 # ### 12.4 Force and moment
@@ -422,25 +421,24 @@ def what_goes_wrong(stations):
 #
 # **12.5** Wendland (2005, page 5) requires two properties of loads $\mathbf{g} =
 # \mathbf{G}\mathbf{f}$. Constant loads, $f_i = 1$ for all $i$, are reproduced as $g_j = 1$; and the
-# total force is conserved for all $\mathbf{f}$. (a) Show that no matrix $\mathbf{G}$ has both
-# properties unless $M = N$. (b) For which quantity, in place of forces, does the first property
-# make sense?
+# total force is conserved for all $\mathbf{f}$. Show that no matrix $\mathbf{G}$ has both
+# properties unless $M = N$.
 
-# %% [markdown] answer="12.5" points=2 minutes=10 words=40
-# (a) The properties are $\mathbf{G}\mathbf{1}_M = \mathbf{1}_N$ and $\mathbf{1}_N^T\mathbf{G} =
-# \mathbf{1}_M^T$. Then $N = \mathbf{1}_N^T\mathbf{1}_N = \mathbf{1}_N^T\mathbf{G}\mathbf{1}_M =
-# \mathbf{1}_M^T\mathbf{1}_M = M$.
-#
-# (b) For a *density*, force per area. It can be constant on both meshes, while single forces depend
-# on the mesh: a finer mesh has smaller forces.
+# %% [markdown] answer="12.5" points=2 minutes=10 words=30
+# With vectors of ones, the first property is $\mathbf{G}\mathbf{1}_M = \mathbf{1}_N$. The second is
+# $\mathbf{1}_N^T\mathbf{G} = \mathbf{1}_M^T$: each column sums to one. Both together give $N =
+# \mathbf{1}_N^T\mathbf{1}_N = \mathbf{1}_N^T\mathbf{G}\mathbf{1}_M = \mathbf{1}_M^T\mathbf{1}_M =
+# M$.
 #
 # *Beyond the question.* Forty forces of one, with the sum forty, would become twelve of one, with
-# the sum twelve. The total force is physics and must be conserved. Constant densities can be
-# reproduced while their integrals agree, as the next question shows.
+# the sum twelve. The total force is physics and must be conserved. The first property makes sense
+# for a *density*, force per area. It can be constant on both meshes, while single forces depend on
+# the mesh: a finer mesh has smaller forces. Constant densities can be reproduced while their
+# integrals agree, as the next question shows.
 
 # %% [markdown] rubric="12.5"
-# (a) One point for the contradiction, also by an example. (b) One for densities: pressure, or force
-# per area.
+# One point for both properties as equations, or for an example of constant loads. One for the
+# contradiction: the sums $M$ and $N$ must be equal.
 
 # %% [markdown]
 # ## Transfer of pressures
@@ -612,36 +610,33 @@ def pulled_along(height):
 
 
 # %% [markdown]
-# **12.9** (a) Why is the matrix of (12.1) singular if all nodes lie in the plane $x_3 = 0$? (b)
-# Show that (12.7) reproduces the rotation $\mathbf{u}_j = \boldsymbol\omega \times \mathbf{x}_j$ at
-# every point of the skin. (c) Conclude that the total moment is conserved.
+# **12.9** Show that (12.7) reproduces the rotation $\mathbf{u}_j = \boldsymbol\omega \times
+# \mathbf{x}_j$ at every point of the skin, and conclude that the total moment is conserved.
 #
 # <details><summary>Hint</summary>
 #
-# Find a polynomial that vanishes at all nodes. A rotation is a linear field in the plane, which
-# $\mathbf{H}$ and $\mathbf{G}^k$ treat exactly: what are its third component and the slopes of it?
+# A rotation is a linear field in the plane, which $\mathbf{H}$ and $\mathbf{G}^k$ treat exactly:
+# what are its third component and the slopes of it? A moment is the work in rotations.
 #
 # </details>
 
-# %% [markdown] answer="12.9" points=3 minutes=10 words=60 optional
-# (a) The polynomial $y_3$ vanishes at all nodes and solves the homogeneous system, with
-# $\boldsymbol\lambda = \mathbf{0}$.
+# %% [markdown] answer="12.9" points=3 minutes=10 words=50 optional
+# In the plane the rotation is linear, so the first sum is its value at $\mathbf{p}_i$. Its third
+# component has the slopes $-\omega_2$ and $\omega_1$. The second term is $\zeta_i(\omega_2,
+# -\omega_1, 0) = \boldsymbol\omega \times (0, 0, \zeta_i)$, and $\mathbf{v}_i =
+# \boldsymbol\omega\times\mathbf{y}_i$. The moment is the work in rotations, which the loads
+# conserve.
 #
-# (b) In the plane the rotation is linear, so the first sum is its value at $\mathbf{p}_i$. Its
-# third component has the slopes $-\omega_2$ and $\omega_1$. The second term is
-# $\zeta_i(\omega_2, -\omega_1, 0) = \boldsymbol\omega \times (0, 0, \zeta_i)$, and $\mathbf{v}_i =
-# \boldsymbol\omega\times\mathbf{y}_i$.
-#
-# (c) The moment is the work in rotations, which the loads conserve.
-#
-# *Beyond the question.* Displacements in one plane do not determine how a field changes *across*
-# the plane. (12.7) assumes instead that the normal stays straight and normal to the plate. In the
-# plane, $\boldsymbol\omega\times\mathbf{x} = (-\omega_3 x_2,\ \omega_3 x_1,\ \omega_1 x_2 -
+# *Beyond the question.* The matrix of (12.1) is singular if all nodes lie in the plane $x_3 = 0$:
+# the polynomial $y_3$ vanishes at all of them and solves the homogeneous system, with
+# $\boldsymbol\lambda = \mathbf{0}$. Displacements in one plane do not determine how a field changes
+# *across* the plane. (12.7) assumes instead that the normal stays straight and normal to the plate.
+# In the plane, $\boldsymbol\omega\times\mathbf{x} = (-\omega_3 x_2,\ \omega_3 x_1,\ \omega_1 x_2 -
 # \omega_2 x_1)$.
 
 # %% [markdown] rubric="12.9"
-# (a) One point for the polynomial that vanishes at the nodes. (b) One for the rotation. (c) One for
-# the work in rotations as the reason.
+# One point for the first sum: the rotation is linear in the plane. One for the second term, from
+# the slopes of the third component. One for the work in rotations as the reason for the moment.
 
 # %% [markdown]
 # ## Partitioned coupling
@@ -837,10 +832,9 @@ def divergence(K, H, A):
 check("12.11")
 
 # %% [markdown]
-# **12.12** Divergence of the wing and divergence of the iteration are different things. (a) For
-# which $\omega > 0$ do the iterates of the typical section converge, if $\lambda < 1$ and if
-# $\lambda > 1$? (b) Give a $\lambda$ for which the wing is stable while the iteration with
-# $\omega = 1$ diverges.
+# **12.12** Divergence of the wing and divergence of the iteration are different things. For which
+# $\omega > 0$ do the iterates of the typical section converge, if $\lambda < 1$ and if $\lambda >
+# 1$?
 #
 # <details><summary>Hint</summary>
 #
@@ -848,24 +842,22 @@ check("12.11")
 #
 # </details>
 
-# %% [markdown] answer="12.12" points=3 minutes=10 words=60
-# (a) Since $\theta^{n+1} = (1-\omega)\theta^n + \omega\lambda(\alpha_0 + \theta^n)$, each step
-# multiplies the error by $1 - \omega(1-\lambda)$. For $\lambda < 1$ the iterates converge exactly
-# if $\omega < 2/(1-\lambda)$. For $\lambda > 1$ the factor exceeds 1 for all $\omega > 0$, so they
-# diverge.
-#
-# (b) $\lambda = -2$, or any $\lambda < -1$: lift behind the axis rotates the nose back, so the wing
-# is stable, but the factor is $\lambda$.
+# %% [markdown] answer="12.12" points=3 minutes=10 words=50
+# Since $\theta^{n+1} = (1-\omega)\theta^n + \omega\lambda(\alpha_0 + \theta^n)$, each step
+# multiplies the error by $1 - \omega(1-\lambda)$. For $\lambda < 1$ the factor is less than 1, and
+# the iterates converge exactly if it is greater than $-1$: if $\omega < 2/(1-\lambda)$. For
+# $\lambda > 1$ the factor exceeds 1 for all $\omega > 0$, so they diverge.
 #
 # *Beyond the question.* The first formula follows from (12.9) and (12.10). With $\omega =
-# 1/(1-\lambda)$ the factor is zero. With $\lambda < -1$ and $\omega = 1$ the iterates oscillate
-# with growing amplitude. For $\lambda > 1$ the $\theta$ of (12.10) is an equilibrium with the nose
-# down. Any small rotation grows there, since the moment of the lift increases faster than that of
-# the spring. An unstable equilibrium does not occur in practice.
+# 1/(1-\lambda)$ the factor is zero. With $\lambda = -2$, or any $\lambda < -1$, lift behind the
+# axis rotates the nose back, so the wing is stable; but with $\omega = 1$ the factor is $\lambda$,
+# and the iterates oscillate with growing amplitude. For $\lambda > 1$ the $\theta$ of (12.10) is an
+# equilibrium with the nose down. Any small rotation grows there, since the moment of the lift
+# increases faster than that of the spring. An unstable equilibrium does not occur in practice.
 
 # %% [markdown] rubric="12.12"
-# (a) One point for the factor, one for the right conclusion in both cases. (b) One point for an
-# example with $\lambda < -1$.
+# One point for the factor of the error. One for the bound of $\omega$ if $\lambda < 1$. One for the
+# conclusion that no $\omega > 0$ suffices if $\lambda > 1$.
 
 # %% [markdown]
 # ## An elastic wing with sweep

@@ -531,8 +531,8 @@ def loops_and_fans():
 # Return $+1$ for each triangle that stays and $-1$ for each triangle that must be inverted, so
 # that all neighbours agree. A *part* is a maximal set of triangles connected across edges. The
 # triangle of each part that is first in the list stays. If a part is not orientable, return 0 for
-# all its triangles. No edge has more than two triangles. The points are an argument too: are they
-# needed?
+# all its triangles. No edge has more than two triangles, and a part may have thousands of
+# triangles. The points are an argument too: are they needed?
 #
 # <details><summary>Hint 1</summary>
 #
@@ -884,9 +884,9 @@ def thinned(tolerance):
 # ## Questions in words
 #
 # **14.9** A lecture note has a list of "non-manifold errors": duplicate vertices, edges and
-# triangles; a surface with a boundary; flipped triangles; self-intersections. (a) Say for each of
-# them what it concerns: the *boundary*, the *orientation*, the *embedding*, or the *representation*
-# in the file. (b) Which two violations of manifolds are missing in the list?
+# triangles; a surface with a boundary; flipped triangles; self-intersections. Say for each of them,
+# with a reason, what it concerns: the *boundary*, the *orientation*, the *embedding*, or the
+# *representation* in the file.
 #
 # <details><summary>Hint</summary>
 #
@@ -896,29 +896,26 @@ def thinned(tolerance):
 # </details>
 
 # %% [markdown] answer="14.9" points=4 minutes=15 words=100 optional
-# (a) *Representation*: duplicate vertices and triangles. A list of triangles has no list of edges,
-# so no edge can be there twice. *Boundary*: a surface with a boundary. A sheet of paper is a
-# manifold that is not closed. *Orientation*: flipped triangles. They concern the order of the
-# vertices, while the surface as a set of triangles stays the same manifold. *Embedding*:
-# self-intersections. They concern where the points lie, and moving the points can remove them.
-#
-# (b) Edges with three or more different triangles, and bow-ties: vertices with several fans.
+# *Representation*: duplicate vertices and triangles. A list of triangles has no list of edges, so
+# no edge can be there twice. *Boundary*: a surface with a boundary. A sheet of paper is a manifold
+# that is not closed. *Orientation*: flipped triangles. They concern the order of the vertices,
+# while the surface as a set of triangles stays the same manifold. *Embedding*: self-intersections.
+# They concern where the points lie, and moving the points can remove them.
 #
 # *Beyond the question.* A manifold needs at most two triangles at each edge and a single fan at
-# each vertex. Of the listed errors only duplicate triangles violate these conditions, and only by
-# repetition: one of them in a closed mesh makes three edges with three triangles. Duplicate
-# vertices make a boundary along a seam. T-junctions and triangles without area are missing in the
-# list, too.
+# each vertex. The two violations of this are missing in the list: edges with three or more
+# different triangles, and bow-ties, vertices with several fans. Of the listed errors only duplicate
+# triangles violate these conditions, and only by repetition: one of them in a closed mesh makes
+# three edges with three triangles. Duplicate vertices make a boundary along a seam. T-junctions and
+# triangles without area are missing in the list, too.
 
 # %% [markdown] rubric="14.9"
-# (a) One point for boundary, orientation and embedding, each with the right error. One for
-# duplicates as a matter of representation. (b) One point for edges with three or more triangles,
-# one for bow-ties.
+# One point for duplicates as a matter of representation. One for the boundary. One for the
+# orientation of flipped triangles. One for the embedding of self-intersections.
 
 # %% [markdown]
-# **14.10** "The Euler characteristic of the file is 2, so it is a sphere." (a) Give two different
-# reasons why this does not follow, each with an example. (b) Which checks must a list of triangles
-# pass before (14.2) determines the number of handles?
+# **14.10** "The Euler characteristic of the file is 2, so it is a sphere." Give three different
+# reasons why this does not follow, each with an example.
 #
 # <details><summary>Hint</summary>
 #
@@ -928,22 +925,25 @@ def thinned(tolerance):
 # </details>
 
 # %% [markdown] answer="14.10" points=3 minutes=10 words=70
-# (a) Components add up: a sphere and a torus have 2 together. Nor need it be a manifold: a fin on a
-# sphere adds one vertex, two edges and one triangle, leaving 2.
+# Components add up: a sphere and a torus have 2 together.
 #
-# (b) Vertices are merged, and no triangle is repeated. Each component is a manifold (at most two
-# triangles at each edge, one fan at each vertex) and orientable, and its $b$ boundary loops are
-# counted. Then $g = (2 - b - \chi)/2$.
+# It need not be a manifold: a fin on a sphere adds one vertex, two edges and one triangle, leaving
+# 2.
+#
+# Triangles may be listed twice: each repetition adds one triangle and no edge, so a torus with two
+# triangles listed twice has $0 + 2 = 2$.
 #
 # *Beyond the question.* Two sheets of paper have 2 together, with 1 each. Two spheres and a torus,
-# all merged in one vertex, have $2 + 2 + 0 - 2 = 2$. A torus with two triangles listed twice has
-# $0 + 2 = 2$. The Möbius strip has $\chi = 0$ and $b = 1$, so $g$ would be half a handle: it is not
-# orientable.
+# all merged in one vertex, have $2 + 2 + 0 - 2 = 2$. Before (14.2) determines the number of
+# handles, equal vertices must be merged and repeated triangles removed. Each component must be a
+# manifold (at most two triangles at each edge, one fan at each vertex) and orientable. With $b$
+# boundary loops it then has $g = (2 - b - \chi)/2$ handles. The Möbius strip has $\chi = 0$ and $b
+# = 1$, so $g$ would be half a handle: it is not orientable.
 
 # %% [markdown] rubric="14.10"
-# (a) One point for each of two reasons with an example: several components, not a manifold, or
-# triangles listed twice. (b) One for the checks: connected, manifold, orientable, loops counted;
-# one of them may be missing.
+# One point for several components, with an example. One for a surface that is not a manifold, with
+# an example. One for triangles listed twice, with an example. Two sheets, or vertices that are not
+# merged, may stand for one of them.
 
 # %% [markdown]
 # ## Dig deeper

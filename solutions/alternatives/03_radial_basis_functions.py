@@ -207,12 +207,26 @@ def by_general_eigenvalues(points):
 
 
 @answers("03.5")
-def by_theory(points):
-    n, d = points.shape
-    moved = points - points[0]
-    affine = 1 + np.linalg.matrix_rank(moved, tol=1e-9 * np.abs(moved).max())
-    distinct = len(np.unique(points, axis=0))
-    return distinct, affine, n + d + 1 - distinct - affine
+def by_the_law_of_inertia(points):
+    """A shift by the tolerance separates the zeros; a factorization keeps the signs (Sylvester)."""
+    from scipy.linalg import ldl
+
+    h = bordered(points)
+    tolerance = 1e-12 * np.linalg.norm(h, 2) * np.eye(len(h))
+    above, below = (np.linalg.eigvalsh(ldl(h + s * tolerance)[1]) for s in (-1, 1))
+    positive, negative = int(sum(above > 0)), int(sum(below < 0))
+    return positive, negative, len(h) - positive - negative
+
+
+@answers("03.5")
+def by_singular_values(points):
+    """The zeros are the small singular values; the other eigenvalues have their signs."""
+    values = np.linalg.eigvalsh(bordered(points))
+    sizes = np.linalg.svd(bordered(points), compute_uv=False)
+    zero = int(np.sum(sizes <= 1e-12 * sizes[0]))
+    kept = np.argsort(np.abs(values))[zero:]
+    positive = int(np.sum(values[kept] > 0))
+    return positive, len(kept) - positive, zero
 
 
 # 03.6 The gradient

@@ -88,12 +88,6 @@ def one_field_at_a_time(points, normals):
 
 
 @answers("04.3")
-def by_eigenvectors(points, normals):
-    b = matrix(points, normals)
-    return np.linalg.eigh(b.T @ b)[1][:, 0]
-
-
-@answers("04.3")
 def of_another_size_and_sign(points, normals):
     return -7.3 * np.linalg.svd(matrix(points, normals), full_matrices=True)[2][5]
 
@@ -157,7 +151,7 @@ def point_by_point(points, c):
 @answers("04.5")
 def by_cross_products(points, normals):
     for n in normals:
-        p = points[np.abs(n[0] * normals[:, 1] - n[1] * normals[:, 0]) > 1e-10]
+        p = points[np.abs(n[0] * normals[:, 1] - n[1] * normals[:, 0]) > 1e-9]
         if len(p) < 3:
             return False
         longest = max(np.linalg.norm(q - p[0]) for q in p)
@@ -168,12 +162,17 @@ def by_cross_products(points, normals):
 
 
 @answers("04.5")
-def by_the_fields_themselves(points, normals):
-    b = np.insert(points, 0, 1.0, axis=1)
-    return all(
-        np.linalg.matrix_rank((normals @ [-n[1], n[0]])[:, None] * b, tol=1e-9) == 3
-        for n in normals
-    )
+def by_distances_from_the_longest_line(points, normals):
+    for x, y in normals:
+        seen = points[np.abs(normals @ [-y, x]) > 1e-9]
+        if not len(seen):
+            return False
+        away = seen - seen[0]
+        far = away[np.argmax(np.hypot(*away.T))]
+        across = np.abs(away @ [-far[1], far[0]])
+        if across.max() <= 1e-9 * np.hypot(*far):
+            return False
+    return True
 
 
 @answers("04.5")
@@ -265,7 +264,7 @@ def as_one_array(center, ring):
 
 
 @answers("04.3")
-def as_an_eigenvector(points, normals):
+def as_a_list(points, normals):
     columns = [normals, points[:, [0]] * normals, points[:, [1]] * normals]
     b = np.hstack(columns)
-    return (1e-3 * np.linalg.eigh(b.T @ b)[1][:, 0]).tolist()
+    return (1e-3 * np.linalg.svd(b)[2][-1]).tolist()

@@ -22,7 +22,8 @@ def a_third_of_base_times_height(a, b, c, d):
 
 @answers("08.1")
 def determinant_of_four(a, b, c, d):
-    return np.abs(np.linalg.det(np.column_stack([[a, b, c, d], np.ones(4)]))) / math.factorial(3)
+    rows = np.column_stack([np.array([a, b, c, d]) - d, np.ones(4)])
+    return np.abs(np.linalg.det(rows)) / math.factorial(3)
 
 
 @answers("08.1")

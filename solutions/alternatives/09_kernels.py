@@ -183,7 +183,7 @@ def by_loops(points, values, k, degree, x):
             h[i, j] = phi(np.array(np.hypot(*(points[i] - points[j]))), k)
         for j in range(m):
             h[i, n + j] = h[n + j, i] = p[i, j]
-    u = np.linalg.lstsq(h, np.append(values, np.zeros(m)), rcond=None)[0]
+    u = np.linalg.solve(h, np.append(values, np.zeros(m)))
     f = []
     for place, row in zip(x, full(x, degree)):
         terms = phi(np.hypot(*(place - points).T), k)

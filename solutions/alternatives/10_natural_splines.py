@@ -136,11 +136,20 @@ def by_scipy(sites, values):
 
 
 @answers("10.3")
-def from_the_distances(sites, values):
-    """s″ is the sum of 6 a |x - y|."""
-    a, _ = on_the_null_space(sites, values)
-    m = 6 * np.abs(sites[:, None] - sites) @ a
-    m[0] = m[-1] = 0
+def from_the_slopes(sites, values):
+    """The unknowns are the slopes at the sites."""
+    h, n = np.diff(sites), len(sites)
+    rise = np.diff(values) / h
+    a, right = np.diag(np.full(n, 2.0)), np.zeros(n)
+    a[0, 1] = a[-1, -2] = 1
+    right[0], right[-1] = 3 * rise[0], 3 * rise[-1]
+    for i in range(1, n - 1):
+        share = h[i] / (h[i - 1] + h[i])
+        a[i, i - 1], a[i, i + 1] = share, 1 - share
+        right[i] = 3 * (share * rise[i - 1] + (1 - share) * rise[i])
+    slopes = np.linalg.solve(a, right)
+    m = np.append(2 * (3 * rise - 2 * slopes[:-1] - slopes[1:]) / h, 0)
+    m[0] = 0
     return m
 
 
@@ -148,16 +157,16 @@ def from_the_distances(sites, values):
 
 
 @answers("10.4")
-def place_by_place(sites, values, bends, x):
+def place_by_place(sites, values, M, x):
     out = []
     for t in x:
         if t <= sites[0]:
             h = sites[1] - sites[0]
-            slope = (values[1] - values[0]) / h - h * bends[1] / 6
+            slope = (values[1] - values[0]) / h - h * M[1] / 6
             out.append(values[0] + slope * (t - sites[0]))
         elif t >= sites[-1]:
             h = sites[-1] - sites[-2]
-            slope = (values[-1] - values[-2]) / h + h * bends[-2] / 6
+            slope = (values[-1] - values[-2]) / h + h * M[-2] / 6
             out.append(values[-1] + slope * (t - sites[-1]))
         else:
             i = int(np.sum(sites <= t)) - 1
@@ -165,52 +174,56 @@ def place_by_place(sites, values, bends, x):
             p, q = sites[i + 1] - t, t - sites[i]
             out.append(
                 (p * values[i] + q * values[i + 1]) / h
-                + ((p**3 / h - p * h) * bends[i] + (q**3 / h - q * h) * bends[i + 1]) / 6
+                + ((p**3 / h - p * h) * M[i] + (q**3 / h - q * h) * M[i + 1]) / 6
             )
     return np.array(out)
 
 
 @answers("10.4")
-def by_taylor(sites, values, bends, x):
+def by_taylor(sites, values, M, x):
     """From the left end of each piece: value, slope, half of s″, a sixth of s‴."""
     h = np.diff(sites)
-    slope = np.diff(values) / h - h / 6 * (2 * bends[:-1] + bends[1:])
-    third = np.diff(bends) / h
-    last = (values[-1] - values[-2]) / h[-1] + h[-1] / 6 * bends[-2]
+    slope = np.diff(values) / h - h / 6 * (2 * M[:-1] + M[1:])
+    third = np.diff(M) / h
+    last = (values[-1] - values[-2]) / h[-1] + h[-1] / 6 * M[-2]
     start = np.r_[sites[0], sites]
     c0, c1 = np.r_[values[0], values], np.r_[slope[0], slope, last]
-    c2, c3 = np.r_[0, bends[:-1], 0] / 2, np.r_[0, third, 0] / 6
+    c2, c3 = np.r_[0, M[:-1], 0] / 2, np.r_[0, third, 0] / 6
     i = np.searchsorted(sites, x, side="right")
     z = x - start[i]
     return c0[i] + z * (c1[i] + z * (c2[i] + z * c3[i]))
 
 
 @answers("10.4")
-def by_scipy_pieces(sites, values, bends, x):
+def by_scipy_pieces(sites, values, M, x):
     from scipy.interpolate import PPoly
 
     h = np.diff(sites)
-    slopes = np.diff(values) / h - h / 6 * (2 * bends[:-1] + bends[1:])
-    pieces = PPoly([np.diff(bends) / (6 * h), bends[:-1] / 2, slopes, values[:-1]], sites)
+    slopes = np.diff(values) / h - h / 6 * (2 * M[:-1] + M[1:])
+    pieces = PPoly([np.diff(M) / (6 * h), M[:-1] / 2, slopes, values[:-1]], sites)
     near = np.clip(x, sites[0], sites[-1])
-    last = (values[-1] - values[-2]) / h[-1] + h[-1] / 6 * bends[-2]
+    last = (values[-1] - values[-2]) / h[-1] + h[-1] / 6 * M[-2]
     return pieces(near) + (x - near) * np.where(x < near, slopes[0], last)
 
 
 @answers("10.4")
-def by_truncated_powers(sites, values, bends, x):
-    """The jumps of s‴ are six times the coefficients; the line is that of the first interval."""
+def by_truncated_powers(sites, values, M, x):
+    """Each site adds a cubic power, whose coefficient is a sixth of the jump of s‴ there. Before
+    the first site the spline is the tangent there.
+    """
     h = np.diff(sites)
-    alpha = np.diff(np.r_[0, np.diff(bends) / h, 0]) / 6
-    slope = (values[1] - values[0]) / h[0] - h[0] * bends[1] / 6
+    alpha = np.diff(np.r_[0, np.diff(M) / h, 0]) / 6
+    slope = (values[1] - values[0]) / h[0] - h[0] * M[1] / 6
     cubes = np.maximum(x[:, None] - sites, 0) ** 3
     return values[0] + slope * (x - sites[0]) + cubes @ alpha
 
 
 @answers("10.4")
-def by_cubed_distances(sites, values, bends, x):
-    """The jumps of s‴ are twelve times the coefficients; least squares give the line."""
-    a = np.diff(np.r_[0, np.diff(bends) / np.diff(sites), 0]) / 12
+def by_cubed_distances(sites, values, M, x):
+    """The coefficient of each cubed distance is a twelfth of the jump of s‴ there. The line is
+    fitted to what is left of the values.
+    """
+    a = np.diff(np.r_[0, np.diff(M) / np.diff(sites), 0]) / 12
     left = values - np.abs(sites[:, None] - sites) ** 3 @ a
     line = np.linalg.lstsq(np.vander(sites, 2), left, rcond=None)[0]
     return np.abs(x[:, None] - sites) ** 3 @ a + np.polyval(line, x)
@@ -220,21 +233,21 @@ def by_cubed_distances(sites, values, bends, x):
 
 
 @answers("10.5")
-def by_sites(sites, values, bends):
+def by_sites(sites, values, M):
     n = len(sites)
     alpha = np.zeros(n)
     for j in range(n):
-        after = (bends[j + 1] - bends[j]) / (sites[j + 1] - sites[j]) if j < n - 1 else 0
-        before = (bends[j] - bends[j - 1]) / (sites[j] - sites[j - 1]) if j > 0 else 0
+        after = (M[j + 1] - M[j]) / (sites[j + 1] - sites[j]) if j < n - 1 else 0
+        before = (M[j] - M[j - 1]) / (sites[j] - sites[j - 1]) if j > 0 else 0
         alpha[j] = (after - before) / 6
-    slope = (values[1] - values[0]) / (sites[1] - sites[0]) - (sites[1] - sites[0]) * bends[1] / 6
+    slope = (values[1] - values[0]) / (sites[1] - sites[0]) - (sites[1] - sites[0]) * M[1] / 6
     return alpha, np.array([values[0] - slope * sites[0], slope])
 
 
 @answers("10.5")
-def line_from_two_values(sites, values, bends):
+def line_from_two_values(sites, values, M):
     """The factors by the jumps; the line through what is left at the first two sites."""
-    third = np.r_[0, np.diff(bends) / np.diff(sites), 0]
+    third = np.r_[0, np.diff(M) / np.diff(sites), 0]
     alpha = (third[1:] - third[:-1]) / 6
     first, second = values[0], values[1] - alpha[0] * (sites[1] - sites[0]) ** 3
     slope = (second - first) / (sites[1] - sites[0])
@@ -242,10 +255,10 @@ def line_from_two_values(sites, values, bends):
 
 
 @answers("10.5")
-def by_a_triangular_system(sites, values, bends):
+def by_a_triangular_system(sites, values, M):
     """s″ at each site but the first is a sum of 6 α (x - y)."""
     z = np.maximum(sites[1:, None] - sites[:-1], 0)
-    alpha = np.linalg.solve(6 * z, bends[1:])
+    alpha = np.linalg.solve(6 * z, M[1:])
     alpha = np.append(alpha, -alpha.sum())
     rest = values - np.maximum(sites[:, None] - sites, 0) ** 3 @ alpha
     line = np.polynomial.Polynomial.fit(sites, rest, 1).convert().coef
@@ -256,26 +269,26 @@ def by_a_triangular_system(sites, values, bends):
 
 
 @answers("10.6")
-def by_simpson(sites, bends):
+def by_simpson(sites, M):
     h = np.diff(sites)
-    middle = (bends[1:] + bends[:-1]) / 2
-    return np.sum(h * (bends[1:] ** 2 + 4 * middle**2 + bends[:-1] ** 2)) / 6
+    middle = (M[1:] + M[:-1]) / 2
+    return np.sum(h * (M[1:] ** 2 + 4 * middle**2 + M[:-1] ** 2)) / 6
 
 
 @answers("10.6")
-def by_antiderivatives(sites, bends):
+def by_antiderivatives(sites, M):
     total = 0.0
     for i in range(len(sites) - 1):
         h = sites[i + 1] - sites[i]
-        square = np.polynomial.Polynomial([bends[i], (bends[i + 1] - bends[i]) / h]) ** 2
+        square = np.polynomial.Polynomial([M[i], (M[i + 1] - M[i]) / h]) ** 2
         total += square.integ()(h)
     return total
 
 
 @answers("10.6")
-def by_mean_and_jump(sites, bends):
+def by_mean_and_jump(sites, M):
     h = np.diff(sites)
-    return h @ (((bends[1:] + bends[:-1]) / 2) ** 2 + np.diff(bends) ** 2 / 12)
+    return h @ (((M[1:] + M[:-1]) / 2) ** 2 + np.diff(M) ** 2 / 12)
 
 
 # 10.7 B-splines

@@ -250,7 +250,8 @@ def by_sums_of_products(x, sites, lam, c):
     r = gaps(np.vstack([x, sites]))[: len(x), len(x) :]
     w = r * lam
     values = (w * r * r).sum(axis=1) + np.insert(x, 0, 1.0, axis=1) @ c
-    return values, 3 * (w.sum(axis=1)[:, None] * x - w @ sites) + c[1:]
+    y, s = x - sites[0], sites - sites[0]
+    return values, 3 * (w.sum(axis=1)[:, None] * y - w @ s) + c[1:]
 
 
 @answers("11.6")

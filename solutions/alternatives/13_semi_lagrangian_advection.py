@@ -31,15 +31,15 @@ def feet_by_table(x, t, dt, flow, table, weights):
 
 def solved_row(sites, near, y):
     """The weights of some sites, by the matrix of (13.7) entry by entry."""
-    z = sites[near]
+    z = sites[near] - y
     k, d = z.shape
     a, b = np.zeros((k + d + 1, k + d + 1)), np.zeros(k + d + 1)
     for i in range(k):
         for j in range(k):
             a[i, j] = np.sqrt(((z[i] - z[j]) ** 2).sum()) ** 3
         a[i, k:] = a[k:, i] = np.r_[1, z[i]]
-        b[i] = np.sqrt(((z[i] - y) ** 2).sum()) ** 3
-    b[k:] = np.r_[1, y]
+        b[i] = np.sqrt((z[i] ** 2).sum()) ** 3
+    b[k] = 1  # and zeros for the foot, which is the origin
     return np.linalg.solve(a, b)[:k]
 
 
@@ -133,15 +133,15 @@ def entry_by_entry(sites, feet, k):
 def all_systems_at_once(sites, feet, k):
     r = np.linalg.norm(feet[:, None] - sites, axis=2)
     near = np.argpartition(r, k - 1, axis=1)[:, :k]
-    z = sites[near]
+    z = sites[near] - feet[:, None]
     m, _, d = z.shape
-    a, b = np.zeros((m, k + d + 1, k + d + 1)), np.ones((m, k + d + 1, 1))
+    a, b = np.zeros((m, k + d + 1, k + d + 1)), np.zeros((m, k + d + 1, 1))
     a[:, :k, :k] = np.linalg.norm(z[:, :, None] - z[:, None], axis=3) ** 3
     a[:, :k, k] = a[:, k, :k] = 1
     a[:, :k, k + 1 :] = z
     a[:, k + 1 :, :k] = z.transpose(0, 2, 1)
     b[:, :k, 0] = np.take_along_axis(r, near, axis=1) ** 3
-    b[:, k + 1 :, 0] = feet
+    b[:, k, 0] = 1
     h = np.zeros(r.shape)
     np.put_along_axis(h, near, np.linalg.solve(a, b)[:, :k, 0], axis=1)
     return h

@@ -309,14 +309,13 @@ def by_constraints(points, triangles):
 
 
 @answers("14.7")
-def by_heron(points, triangles, tolerance):
+def by_distance_from_the_longest_side(points, triangles, tolerance):
     result = []
     for t in triangles:
         p = points[t]
-        gram = (p[1:] - p[0]) @ (p[1:] - p[0]).T
-        area2 = np.sqrt(max(gram[0, 0] * gram[1, 1] - gram[0, 1] ** 2, 0.0))
-        longest = max(np.linalg.norm(p[i] - p[j]) for i in range(3) for j in range(i))
-        result.append(longest == 0 or area2 / longest <= tolerance)
+        length, k = max((np.linalg.norm(p[i] - p[i - 1]), i) for i in range(3))
+        along, across = p[k] - p[k - 1], p[k - 2] - p[k - 1]
+        result.append(length == 0 or np.linalg.norm(np.cross(along, across)) / length <= tolerance)
     return result
 
 
@@ -380,5 +379,6 @@ def by_volumes_one_by_one(start, end, corners):
     for k, (p, q) in enumerate(zip(start, end)):
         a, b, c = corners[k]
         rim = [volume(p, q, a, b) > 0, volume(p, q, b, c) > 0, volume(p, q, c, a) > 0]
-        result[k] = volume(a, b, c, p) * volume(a, b, c, q) < 0 and len(set(rim)) == 1
+        opposite = np.sign(volume(a, b, c, p)) * np.sign(volume(a, b, c, q)) < 0
+        result[k] = opposite and len(set(rim)) == 1
     return result

@@ -95,6 +95,17 @@ def objective_of_small_and_large_values(seed):
     )
 
 
+@hidden("01.4", "It must hold in every dimension.")
+def in_four_and_five_dimensions(seed):
+    random = np.random.default_rng(seed + 8)
+    flat = random.normal(size=(9, 3)) @ random.normal(size=(3, 4))
+    return (
+        Call("rank", (random.random((8, 4)),), "eight points in four dimensions"),
+        Call("rank", (flat,), "nine points of a hyperplane in four dimensions", exact=(0,)),
+        Call("rank", (random.random((9, 5)),), "nine points in five dimensions"),
+    )
+
+
 @hidden("01.4", "The rank must not depend on the unit of length.")
 def tiny_and_huge(seed):
     random = np.random.default_rng(seed + 2)

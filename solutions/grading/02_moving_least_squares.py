@@ -87,6 +87,19 @@ def objective_on_the_line(seed):
     return (Call("objective", given, "a line"),)
 
 
+@hidden("02.7", "It must hold in every dimension.")
+def gradient_in_four_dimensions(seed):
+    random = np.random.default_rng(seed + 10)
+    return tuple(
+        Call(
+            "gradient",
+            (random.random((40, d)), random.normal(size=40), random.random((3, d)), 0.6),
+            f"forty points in {words} dimensions",
+        )
+        for d, words in ((4, "four"), (5, "five"))
+    )
+
+
 @hidden("02.7", "It must hold on the line, at a single point, and for other ε than the shown.")
 def gradient_on_the_line(seed):
     random = np.random.default_rng(seed + 5)

@@ -52,6 +52,24 @@ def many_gradients(seed):
     return (Call("gradient", (points, lam, c, random.random((71, 2))), "many points"),)
 
 
+@hidden("03.6", "It must hold in every dimension.")
+def gradients_in_four_dimensions(seed):
+    random = np.random.default_rng(seed + 11)
+    return tuple(
+        Call(
+            "gradient",
+            (
+                cloud(random, 12, d),
+                random.normal(size=12),
+                random.normal(size=d + 1),
+                random.random((5, d)),
+            ),
+            f"twelve centres in {words} dimensions",
+        )
+        for d, words in ((4, "four"), (5, "five"))
+    )
+
+
 @hidden("03.3", "It must hold for other numbers of points and other dimensions than the shown.")
 def on_the_line(seed):
     random = np.random.default_rng(seed + 3)

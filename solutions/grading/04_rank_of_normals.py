@@ -52,6 +52,19 @@ def hidden_flows(seed):
     )
 
 
+@hidden("04.2", "It must hold in every dimension.")
+def ranks_in_four_dimensions(seed):
+    random = np.random.default_rng(seed + 7)
+    points, normals = random.random((25, 4)), random.normal(size=(25, 4))
+    normals /= np.sqrt((normals * normals).sum(axis=1))[:, None]
+    level = normals * [1, 1, 1, 0]
+    level /= np.sqrt((level * level).sum(axis=1))[:, None]
+    return (
+        Call("velocity_rank", (points, normals), "25 samples in four dimensions"),
+        Call("velocity_rank", (points, level), "25 level normals in four dimensions", exact=(0, 1)),
+    )
+
+
 @hidden("04.3", "Any affine flow may be the one that is not seen.")
 def many_samples(seed):
     random = np.random.default_rng(seed + 3)

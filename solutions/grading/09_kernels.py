@@ -29,7 +29,11 @@ def any_matrix(seed):
     apart = np.zeros((12, 3))
     for k, size in enumerate((1.0, 2.0**-28, 2.0**-38)):
         apart[4 * k : 4 * k + 4, k] = size * random.uniform(1, 2, 4)
+    alike = np.eye(12, 4)
+    alike[0, 1], alike[1, 1] = 1.0, 2.0**-40
+    alone = np.eye(12)[:, random.permutation(12)[:3]]
     return (
+        Call("least_eigenvalue", (a + a.T, alike), "two of four conditions nearly equal"),
         Call("least_eigenvalue", (a + a.T, p), "a random symmetric matrix"),
         Call("least_eigenvalue", (a + a.T, p[:, :0]), "a random matrix and no conditions"),
         Call(
@@ -42,8 +46,9 @@ def any_matrix(seed):
         Call("least_eigenvalue", (a + a.T, apart), "conditions on different points"),
         Call(
             "least_eigenvalue",
-            (a + a.T, np.repeat(p, 4, axis=1)),
-            "conditions that are repeated side by side",
+            (a + a.T, np.repeat(alone, 4, axis=1)),
+            "conditions on single points that are repeated side by side",
+            exact=(1,),
         ),
         Call("least_eigenvalue", (a + a.T + 1e7 * np.eye(12), p), "large eigenvalues"),
     )
@@ -139,7 +144,10 @@ def anywhere(seed):
     calls = []
     for scale in (1e-6, 1, 1e6):
         points = random.normal(size=(3, 2))
-        calls.append(Call("exchange_time", (scale * points,), f"points of the size {scale:g}"))
+        opposite = np.append(points[:2], [points[0] + points[1] - points[2]], axis=0)
+        for three, side in ((points, "one"), (opposite, "the other")):
+            case = f"points of the size {scale:g}, the third on {side} side"
+            calls.append(Call("exchange_time", (scale * three,), case))
     return tuple(calls)
 
 

@@ -68,7 +68,7 @@ def uneven_steps(seed):
 )
 def points_in_any_order(seed):
     random = np.random.default_rng(seed + 4)
-    sites, heights, bends = natural_data(random, 9)
+    sites, heights, M = natural_data(random, 9)
     x = random.uniform(sites[0] - 3, sites[-1] + 3, 30)
     apart = np.array([2.0**-9, 2.0**-12, 2.0**-15, 2.0**-18, 2.0**-21])
     beside = np.add.outer(sites, np.append(apart, -apart)).ravel()
@@ -76,17 +76,17 @@ def points_in_any_order(seed):
     two = line(random, 2)
     whole = whole_moments(random, whole_line(random, 6))
     return (
-        Call("piecewise", (sites, heights, bends, x), "points in any order"),
-        Call("piecewise", (sites, heights, bends, x[:1]), "one point"),
+        Call("piecewise", (sites, heights, M, x), "points in any order"),
+        Call("piecewise", (sites, heights, M, x[:1]), "one point"),
         Call("piecewise", (*whole, x[1:2]), "one point, and moments in whole numbers"),
         Call("piecewise", (*whole, x), "sites and moments in whole numbers"),
-        Call("piecewise", (sites, heights, bends, beside), "points beside the sites"),
+        Call("piecewise", (sites, heights, M, beside), "points beside the sites"),
         Call(
             "piecewise",
-            (2.0**-18 * sites, 2.0**-36 * heights, bends, 2.0**-18 * beside),
+            (2.0**-18 * sites, 2.0**-36 * heights, M, 2.0**-18 * beside),
             "points beside close sites",
         ),
-        Call("piecewise", (sites, heights, bends, numbers), "points in whole numbers"),
+        Call("piecewise", (sites, heights, M, numbers), "points in whole numbers"),
         Call(
             "piecewise",
             (
@@ -99,16 +99,16 @@ def points_in_any_order(seed):
         ),
         Call(
             "piecewise",
-            (sites, heights, bends, random.uniform(sites[0] - 3, sites[-1] + 3, 331)),
+            (sites, heights, M, random.uniform(sites[0] - 3, sites[-1] + 3, 331)),
             "331 points",
         ),
         Call("piecewise", (*natural_data(random, 43), np.append(x, 9 * x)), "43 sites"),
         *(
-            Call("piecewise", (size * sites, heights, bends / size**2, size * x), case)
+            Call("piecewise", (size * sites, heights, M / size**2, size * x), case)
             for size, case in ((2.0**20, "sites far apart"), (2.0**-40, "very close sites"))
         ),
-        Call("piecewise", (sites, 0 * heights, 0 * bends, x), "values that are zero"),
-        Call("piecewise", (sites - 2e4, heights, bends, x - 2e4), "sites far away", exact=(0, 3)),
+        Call("piecewise", (sites, 0 * heights, 0 * M, x), "values that are zero"),
+        Call("piecewise", (sites - 2e4, heights, M, x - 2e4), "sites far away", exact=(0, 3)),
     )
 
 
@@ -116,7 +116,7 @@ def points_in_any_order(seed):
 def two_sites_or_many(seed):
     random = np.random.default_rng(seed + 5)
     two = line(random, 2)
-    sites, heights, bends = natural_data(random, 5)
+    sites, heights, M = natural_data(random, 5)
     return (
         Call(
             "truncated",
@@ -126,7 +126,7 @@ def two_sites_or_many(seed):
         Call("truncated", natural_data(random, 10), "ten sites"),
         Call("truncated", whole_moments(random, line(random, 7)), "moments in whole numbers"),
         *(
-            Call("truncated", (width * sites, width**2 * height * heights, height * bends), case)
+            Call("truncated", (width * sites, width**2 * height * heights, height * M), case)
             for width, height, case in (
                 (2.0**-30, 1.0, "close sites"),
                 (1.0, 2.0**-30, "small values"),

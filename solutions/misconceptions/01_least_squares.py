@@ -173,6 +173,13 @@ def extent_of_the_first_step(points):
     return 1 + np.linalg.matrix_rank(moved, tol=1e-9 * np.abs(moved[:2]).max())
 
 
+@answers("01.4", named=False)
+def largest_singular_value_as_unit(points):
+    """It grows with the number of points; the extent does not."""
+    s = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return 1 + int((s > 1e-9 * s[0]).sum())
+
+
 @answers("01.4")
 def counted(points):
     """This is the smaller of the numbers of points and coefficients. It is the rank only for points

@@ -479,6 +479,35 @@ def by_size(points, tolerance):
     return positive, negative, len(eigenvalues) - positive - negative
 
 
+@answers("03.5")
+def tolerance_of_rounding_errors(points):
+    """An eigenvalue of 2 · 10⁻¹³ times the largest one did not count as zero. It is no rounding
+    error, but the text counts all below 10⁻¹² as zero.
+    """
+    return by_size(points, 1e-14 * size_of_the_matrix(points))
+
+
+@answers("03.5")
+def relative_to_the_largest_eigenvalue(points):
+    """The limit is too small: 10⁻¹² times another size than the largest absolute value, such as
+    the largest eigenvalue. The largest absolute value may belong to a negative eigenvalue.
+    """
+    e = np.linalg.eigvalsh(bordered(w(offsets(points, points)), basis(points)))
+    return by_size(points, 1e-12 * e.max())
+
+
+@answers("03.5")
+def tolerance_too_large(points):
+    """An eigenvalue of more than 10⁻¹² times the largest one counted as zero. In small units of
+    length the right eigenvalues are that small. Is your tolerance the one of the text?
+    """
+    return by_size(points, 1e-10 * size_of_the_matrix(points))
+
+
+def size_of_the_matrix(points):
+    return np.linalg.norm(bordered(w(offsets(points, points)), basis(points)), 2)
+
+
 @answers("03.5", named=False)
 def absolute_tolerance(points):
     """The tolerance is not relative to the largest eigenvalue."""
@@ -534,6 +563,13 @@ def summed(factor, lam, c, y):
 
 def logarithm(y):
     return np.log(np.where(squares(y) > 0, squares(y), 1))
+
+
+@answers("03.6", named=False)
+def sums_subtracted(points, lam, c, x):
+    """Far from the origin two large sums are subtracted, and their digits are lost."""
+    factor = 2 * (1 + logarithm(offsets(x, points))) * lam
+    return c[1:] + x * factor.sum(axis=1)[:, None] - factor @ points
 
 
 @answers("03.6", named=False)

@@ -135,10 +135,22 @@ def tolerance_of(points, normals, tolerance):
     return np.linalg.matrix_rank(rows(local(points), normals), tol=tolerance)
 
 
-@answers("04.2", named=False)
+@answers("04.2")
 def default_tolerance(points, normals):
-    """The default tolerance counts normals within 10⁻¹⁰ of meeting in a point as general."""
+    """The tolerance is smaller than that of the text, such as the default of `matrix_rank`, which
+    is about 10⁻¹⁵. The text counts singular values below 10⁻⁹ as zero.
+    """
     return np.linalg.matrix_rank(rows(local(points), normals))
+
+
+@answers("04.2")
+def distance_of_the_first_two(points, normals):
+    """The unit is the distance of the first two points. Several samples may share a point, so it
+    may be zero. Divide by the extent of all points.
+    """
+    p = points - points[0]
+    unit = np.linalg.norm(p[1]) if p[1].any() else 1.0
+    return np.linalg.matrix_rank(rows(p / unit, normals), tol=1e-9)
 
 
 @answers("04.2", named=False)
@@ -218,9 +230,9 @@ def tolerance_of_the_rounding(points, normals):
 
 @answers("04.2")
 def far_from_the_origin(points, normals):
-    """Far from the origin the columns of B' are nearly multiples of each other, and the computed
-    rank is too small. The rank does not depend on the origin. Subtract the mean of the points
-    first.
+    """The points were neither moved nor scaled. Far from the origin the columns of B' are nearly
+    multiples of each other, and the computed rank is wrong. The rank does not depend on the origin.
+    Subtract the mean of the points, divide by their extent, and use the tolerance of the text.
     """
     return np.linalg.matrix_rank(rows(points, normals))
 
@@ -292,6 +304,51 @@ def in_the_other_order(points, normals):
     the other. c is (c₀, c₁, c₂), each with two components.
     """
     return np.linalg.svd(rows(points, normals))[2][-1].reshape(3, 2).T.ravel()
+
+
+def tangent_to_moved(points, normals, size):
+    moved = points - points.mean(axis=0)
+    return np.linalg.svd(rows(moved / size(moved), normals))[2][-1]
+
+
+@answers("04.3")
+def of_the_shifted_points(points, normals):
+    """These coefficients belong to the shifted points, whose origin is another one. Return those
+    for the points as they are given, for which B' c = 0.
+    """
+    return tangent_to_moved(points, normals, lambda _: 1)
+
+
+@answers("04.3")
+def of_the_points_divided_by_their_extent(points, normals):
+    """These coefficients belong to the shifted and scaled points of 04.2. Return those for the
+    points as they are given, for which B' c = 0.
+    """
+    return tangent_to_moved(points, normals, np.ptp)
+
+
+@answers("04.3")
+def of_the_points_divided_by_their_sides(points, normals):
+    """These coefficients belong to the shifted and scaled points, as in 04.2. Return those for the
+    points as they are given, for which B' c = 0.
+    """
+    return tangent_to_moved(points, normals, lambda p: np.ptp(p, axis=0).max())
+
+
+@answers("04.3")
+def of_the_points_divided_by_their_largest_coordinate(points, normals):
+    """These coefficients belong to points that were shifted and scaled as in 04.2. Return those for
+    the points as they are given, for which B' c = 0.
+    """
+    return tangent_to_moved(points, normals, lambda p: np.abs(p).max())
+
+
+@answers("04.3")
+def of_the_points_divided_by_the_largest_distance(points, normals):
+    """These coefficients belong to points that were shifted and scaled, as in 04.2. Return those
+    for the points as they are given, for which B' c = 0.
+    """
+    return tangent_to_moved(points, normals, lambda p: np.hypot(*p.T).max())
 
 
 # 04.4 The normals
@@ -409,6 +466,26 @@ def default_of_isclose(points, normals):
     return all(spans(points[~np.isclose(normals @ [-n[1], n[0]], 0)]) for n in normals)
 
 
+@answers("04.5")
+def products_of_a_tenth_count(points, normals):
+    """Normals at an angle of 5 · 10⁻¹⁰ count as different directions. Products n · m of unit
+    vectors below 10⁻⁹ are zero by the text. Which tolerance has your comparison?
+    """
+    return with_tolerance(points, normals, 1e-10)
+
+
+@answers("04.5")
+def rows_multiplied_by_the_products(points, normals):
+    """A small angle and a small distance from a line were multiplied: their product is below the
+    tolerance, although neither of them is. Select the points by n · m, and test these points.
+    """
+    b = np.insert(points, 0, 1.0, axis=1)
+    return all(
+        np.linalg.matrix_rank((normals @ [-n[1], n[0]])[:, None] * b, tol=1e-9) == 3
+        for n in normals
+    )
+
+
 @answers("04.5", named=False)
 def compared_by_cosines(points, normals):
     """The cosine of a small angle is one up to half of its square, which is below the rounding."""
@@ -446,7 +523,7 @@ def hundred_directions(points, normals):
 
 @answers("04.5", named=False)
 def compared_by_slope(points, normals):
-    """Two opposite upright normals have different slopes, but are parallel."""
+    """two opposite vertical normals have different slopes, but are parallel."""
     slopes = normals[:, 1] / (normals[:, 0] + 1e-300)
     return all(spans(points[np.abs(slopes - slope) > 1e-9]) for slope in slopes)
 
@@ -619,6 +696,15 @@ def rim_not_closed(center, ring):
 
 
 @answers("04.6")
+def rolled_without_an_axis(center, ring):
+    """The next neighbours have coordinates of two points: without `axis=0`, `np.roll` moves single
+    numbers and not rows.
+    """
+    start, end = star(center, ring, np.roll(ring, -1))
+    return (start + end) / 2, unit(turn(end - start))
+
+
+@answers("04.6")
 def rim_first(center, ring):
     """All samples are there, but the outer edges come before the spokes. Return the
     spokes first.
@@ -695,9 +781,11 @@ def tolerance_for_metres(vertices):
     return np.linalg.matrix_rank(conic(vertices - vertices.mean(axis=0)), tol=1e-9)
 
 
-@answers("04.7", named=False)
+@answers("04.7")
 def default_tolerance_for_conics(vertices):
-    """The default tolerance counts points within 10⁻⁹ of a conic as general."""
+    """The tolerance is smaller than that of the text, such as the default of `matrix_rank`, which
+    is about 10⁻¹⁵. The text counts singular values below 10⁻⁹ as zero.
+    """
     return np.linalg.matrix_rank(conic(local(vertices)))
 
 
@@ -717,12 +805,6 @@ def tolerance_of_a_thousandth_for_conics(vertices):
 def tolerance_of_a_millionth_for_conics(vertices):
     """Points close to a conic are taken for points on it."""
     return np.linalg.matrix_rank(conic(local(vertices)), tol=1e-6)
-
-
-@answers("04.7", named=False)
-def fine_tolerance_for_conics(vertices):
-    """Singular values between this tolerance and that of the text count as zero, too."""
-    return np.linalg.matrix_rank(conic(local(vertices)), tol=1e-11)
 
 
 @answers("04.7", named=False)

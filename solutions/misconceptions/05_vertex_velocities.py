@@ -479,6 +479,21 @@ def light_equations_dropped(midpoints, normals, v, x, w):
     return np.linalg.lstsq(w[k, None] * b, w[k] * v[k], rcond=None)[0][:2]
 
 
+@answers("05.8", named=False)
+def lighter_equations_dropped(midpoints, normals, v, x, w):
+    """Equations of small weight are measurements too, and were dropped."""
+    k = w > 1e-3 * w.max()
+    b = rows(midpoints[k], normals[k], x)
+    return solved(w[k, None] * b, w[k] * v[k])[:2]
+
+
+@answers("05.8", named=False)
+def inverse_of_the_normal_equations(midpoints, normals, v, x, w):
+    """The normal equations have the squares of the singular values: those below 10⁻⁸ are lost."""
+    b = w[:, None] * rows(midpoints, normals, x)
+    return (np.linalg.pinv(b.T @ b, rcond=1e-15) @ b.T @ (w * v))[:2]
+
+
 @answers("05.8")
 def weights_only_on_the_left(midpoints, normals, v, x, w):
     """The matrix is multiplied by the weights, but the right-hand side is not. Then affine fields
@@ -532,6 +547,15 @@ def at_the_origin(midpoints, normals, v, x, w):
     Use positions relative to the vertex, as in (5.4).
     """
     return solved(w[:, None] * rows(midpoints, normals, 0 * x), w * v)[:2]
+
+
+@answers("05.8")
+def evaluated_at_the_coordinates_of_the_vertex(midpoints, normals, v, x, w):
+    """The coordinates of the vertex were inserted for y. But y is the position relative to the
+    vertex: what is it at the vertex itself?
+    """
+    c = solved(w[:, None] * rows(midpoints, normals, x), w * v)
+    return c[:2] + x[0] * c[2:4] + x[1] * c[4:]
 
 
 @answers("05.8")

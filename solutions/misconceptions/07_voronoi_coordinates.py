@@ -211,6 +211,12 @@ def sign_kept(a, b, c):
     return cross(b - a, c - a) / 2
 
 
+@answers("07.3", named=False)
+def determinant_of_coordinates(a, b, c):
+    """Digits are lost far from the origin, where differences are exact."""
+    return abs(np.linalg.det(np.array([[1, *a], [1, *b], [1, *c]], dtype=float))) / 2
+
+
 @answers("07.3")
 def parallelogram(a, b, c):
     """This is the area of the parallelogram over two edges. How much of it is the triangle?"""

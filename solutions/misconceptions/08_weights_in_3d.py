@@ -35,6 +35,12 @@ def sign_kept(a, b, c, d):
     return np.linalg.det([b - a, c - a, d - a]) / 6
 
 
+@answers("08.1", named=False)
+def four_rows_with_ones(a, b, c, d):
+    """Far from the origin the determinant of absolute coordinates loses the digits of a sliver."""
+    return abs(np.linalg.det(np.insert(np.array([a, b, c, d], dtype=float), 3, 1, axis=1))) / 6
+
+
 @answers("08.1")
 def parallelepiped(a, b, c, d):
     """This is the volume of the parallelepiped over three edges. Which part of it is the
@@ -223,6 +229,14 @@ def volumes_dropped(center, neighbors, cells, corners, x):
     reproduced. What is the numerator of (8.2)?
     """
     return 1 / factors(center, neighbors, cells, corners, x).prod(axis=1)
+
+
+@answers("08.7", named=False)
+def products_of_absolute_positions(center, neighbors, cells, corners, x):
+    """Far from the origin the difference of two large products loses its digits."""
+    e = spokes_of(center, neighbors, cells)
+    below = np.einsum("abk,ak->ab", e, corners) - e @ x
+    return six_volumes(center, neighbors, cells) / below.prod(axis=1)
 
 
 @answers("08.7")

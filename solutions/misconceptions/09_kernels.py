@@ -69,16 +69,16 @@ def degree_below(points, degree):
 
 @answers("09.1")
 def no_mixed_products(points, degree):
-    """The powers of each coordinate are there, products of both are not. Without x₁x₂ a quadratic
-    that is turned is no longer in the space.
+    """The matrix has the powers of each coordinate, but not their products, such as x₁x₂. Without
+    them most rotated quadratic polynomials are not in the space.
     """
     return basis(points, [pair for pair in pairs_up_to(degree) if min(pair) == 0])
 
 
 @answers("09.1")
-def no_mixed_products_and_always_a_constant(points, degree):
-    """The powers of each coordinate are there, products of both are not. Without x₁x₂ a quadratic
-    that is turned is no longer in the space. And for the degree −1 there must be no column at all.
+def no_mixed_products_but_a_constant(points, degree):
+    """The matrix has the powers of each coordinate, but not their products, such as x₁x₂. And for
+    the degree −1 it has a column of ones, where it must have no column at all.
     """
     powers = range(1, degree + 1)
     return basis(points, [(0, 0), *((k, 0) for k in powers), *((0, k) for k in powers)])
@@ -199,6 +199,83 @@ def square_for_the_projection(a, p):
     return np.linalg.eigvalsh(k @ a @ k)[0]
 
 
+def projection(p):
+    return np.eye(len(p)) - p @ np.linalg.pinv(p, rcond=1e-10) if p.size else np.eye(len(p))
+
+
+@answers("09.2")
+def projection_by_columns_of_q(a, p):
+    """I − Q Qᵀ takes a direction away for each column of P, also where columns depend on each
+    other. And this form kept its size N × N, so it has zeros that belong to no vector of the
+    subspace.
+    """
+    q = np.linalg.qr(p)[0]
+    k = np.eye(len(a)) - q @ q.T
+    return np.linalg.eigvalsh(k @ a @ k)[0]
+
+
+@answers("09.2")
+def first_columns_of_q(a, p):
+    """The first columns of Q span the columns of P only if the first columns of P are independent.
+    Here one of them is zero, or nearly equal to the one before. `qr` of NumPy does not exchange
+    columns; which factorization does not depend on their order?
+    """
+    return on_the_complement_by_qr(a, p, lambda pivots: np.sort(pivots)[::-1])
+
+
+@answers("09.2")
+def columns_of_q_with_a_small_pivot(a, p):
+    """A column of Q with a small entry of R beside it need not be orthogonal to P: later columns of
+    P may have a component along it. `qr` of NumPy does not exchange columns; which factorization
+    does not depend on their order?
+    """
+    return on_the_complement_by_qr(a, p, lambda pivots: pivots)
+
+
+def on_the_complement_by_qr(a, p, order):
+    q, r = np.linalg.qr(p, mode="complete")
+    pivots = np.zeros(len(a))
+    pivots[: min(r.shape)] = np.abs(np.diag(r))
+    z = q[:, order(pivots) <= 1e-10 * pivots.max()]
+    return np.linalg.eigvalsh(z.T @ a @ z)[0]
+
+
+@answers("09.2")
+def lowest_eigenvalues_left_out(a, p):
+    """As many of the lowest eigenvalues were left out as there are conditions. The zeros of the
+    projected form come first only if the form is positive. Where it is not, the number you are
+    looking for was among those left out.
+    """
+    k = projection(p)
+    return np.linalg.eigvalsh(k @ a @ k)[round(len(a) - np.trace(k))]
+
+
+@answers("09.2")
+def zeros_left_out(a, p):
+    """Eigenvalues of the projected form that are zero were left out. But zero may also be the least
+    value of the form on the subspace. Compute with a form that has no additional eigenvalues.
+    """
+    k = projection(p)
+    spectrum = np.linalg.eigvalsh(k @ a @ k)
+    return spectrum[np.abs(spectrum) > 1e-9 * np.abs(spectrum).max()].min()
+
+
+@answers("09.2")
+def projected_from_one_side(a, p):
+    """The projection stands on one side of A only. The product is not symmetric, and `eigvalsh`
+    reads one of its triangles, so these are eigenvalues of another matrix. Where are the two
+    factors Z in (9.6)?
+    """
+    return np.linalg.eigvalsh(projection(p) @ a)[0]
+
+
+@answers("09.2", named=False)
+def pseudo_inverse_with_its_default_tolerance(a, p):
+    """Conditions that count as dependent by the text are conditions for `pinv` still."""
+    k = np.eye(len(a)) - p @ np.linalg.pinv(p)
+    return np.linalg.eigvalsh(k @ a @ k)[0]
+
+
 def on_the_complement(a, p, rank):
     z = np.linalg.svd(p)[0][:, rank:]
     return np.linalg.eigvalsh(z.T @ a @ z)[0]
@@ -258,6 +335,23 @@ def rank_itself(points, degree):
     sum.
     """
     return rank_of(full(own_box(points), degree), 1e-10)
+
+
+@answers("09.3", named=False)
+def size_along_the_first_axis(points, degree):
+    """The size is zero for points on a vertical line, however small or large they are."""
+    away = points - points.mean(axis=0)
+    size = np.ptp(away[:, 0])
+    p = full(away / (size if size > 0 else 1), degree)
+    return p.shape[1] - rank_of(p, 1e-10)
+
+
+@answers("09.3", named=False)
+def distance_of_the_first_two(points, degree):
+    """The first two points may be the same: their distance is no measure of the size."""
+    away = points - points[0]
+    p = full(away / (np.hypot(*away[1]) or 1), degree)
+    return p.shape[1] - rank_of(p, 1e-10)
 
 
 @answers("09.3")
@@ -391,6 +485,27 @@ def kernels_alone(points, values, k, degree, x):
 
 
 @answers("09.4")
+def small_singular_values_cut(points, values, k, degree, x):
+    """The system was solved by a pseudo-inverse or by least squares, with the default tolerance.
+    For coordinates of some hundreds it cuts small singular values. Then the side conditions do not
+    hold. The matrix is regular: `np.linalg.solve` solves the system.
+    """
+    p, n = full(points, degree), len(points)
+    matrix = bordered(phi(gaps(points, points), k), p)
+    w = np.linalg.pinv(matrix) @ np.r_[values, 0 * p[0]]
+    return phi(gaps(x, points), k) @ w[:n] + full(x, degree) @ w[n:]
+
+
+@answers("09.4", named=False)
+def tiny_coefficients_dropped(points, values, k, degree, x):
+    """The coefficients of small values are small, and no rounding errors."""
+    p, n = full(points, degree), len(points)
+    w = np.linalg.solve(bordered(phi(gaps(points, points), k), p), np.r_[values, 0 * p[0]])
+    w = np.where(np.abs(w) < 1e-10, 0, w)
+    return phi(gaps(x, points), k) @ w[:n] + full(x, degree) @ w[n:]
+
+
+@answers("09.4")
 def polynomial_not_evaluated(points, values, k, degree, x):
     """The coefficients are those of (9.3), but only the kernels are summed at x. The polynomial,
     the second sum in (9.2), is missing.
@@ -489,8 +604,8 @@ def cut_off_by_size(r, d, s):
 
 @answers("09.5")
 def smoothness_not_in_ell(r, d, s):
-    """The exponent ℓ was made without s. For s = 0 that is the same; the smoother function needs a
-    larger exponent, since it is made from that for two variables more.
+    """For s = 1, the exponent and the factor of r are one too small. Either ℓ was made without s,
+    or ℓ stands where (9.8) has ℓ + 1.
     """
     ell = d // 2 + 1
     return compact(r, ell + s, ell + 1, s)
@@ -589,7 +704,16 @@ def not_the_same_line(points):
     """Some of your times are not between 0 and 1. A line that is rotated by π is the same line, so
     the time is determined up to whole numbers.
     """
-    return turned_by(points) / np.pi
+    return np.angle(np.exp(1j * turned_by(points))) / np.pi
+
+
+@answers("09.6")
+def angle_without_a_sign(points):
+    """The angle has lost its sign, by `arccos` or by an absolute value. A scalar product gives the
+    angle between two directions, not which way to turn from the one to the other. If the third
+    point is on the right of the first arm, your time is that of a clockwise turn.
+    """
+    return np.abs(np.angle(np.exp(1j * turned_by(points)))) / np.pi
 
 
 @answers("09.6")

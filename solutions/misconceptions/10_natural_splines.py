@@ -258,6 +258,17 @@ def stopped_by_a_fixed_change(sites, values):
     return m
 
 
+@answers("10.3", named=False)
+def from_the_radial_form(sites, values):
+    """With hundreds of sites the system is ill-conditioned, and the sum loses digits."""
+    n, p = len(sites), np.stack([np.ones(len(sites)), sites], axis=1)
+    z = np.abs(np.subtract.outer(sites, sites))
+    system = np.block([[z**3, p], [p.T, np.zeros((2, 2))]])
+    m = 6 * z @ np.linalg.solve(system, np.append(values, [0, 0]))[:n]
+    m[[0, -1]] = 0
+    return m
+
+
 @answers("10.3")
 def steps_taken_as_equal(sites, values):
     """The steps were taken to be all the same. These sites are not equidistant: every row of
@@ -272,6 +283,19 @@ def all_steps_like_the_first(sites, values):
     its own two intervals.
     """
     return tridiagonal(sites[0] + (sites[1] - sites[0]) * np.arange(len(sites)), values)
+
+
+@answers("10.3")
+def neighbouring_lengths_exchanged(sites, values):
+    """The two lengths beside the diagonal are exchanged. The moment on the left belongs to the
+    interval on the left. Is your matrix symmetric in its inner part, as that of (10.7)?
+    """
+    n, h = len(sites), np.diff(sites)
+    a, b = np.eye(n), np.zeros(n)
+    for i in range(1, n - 1):
+        a[i, i - 1 : i + 2] = h[i] / 6, (h[i - 1] + h[i]) / 3, h[i - 1] / 6
+        b[i] = (values[i + 1] - values[i]) / h[i] - (values[i] - values[i - 1]) / h[i - 1]
+    return np.linalg.solve(a, b)
 
 
 @answers("10.3")
@@ -349,14 +373,14 @@ def located(sites, x):
     return i, h, (x - sites[i]) / h
 
 
-def cubic(i, h, u, values, bends):
-    bent = ((1 - u) ** 3 - (1 - u)) * bends[i] + (u**3 - u) * bends[i + 1]
+def cubic(i, h, u, values, M):
+    bent = ((1 - u) ** 3 - (1 - u)) * M[i] + (u**3 - u) * M[i + 1]
     return (1 - u) * values[i] + u * values[i + 1] + h * h / 6 * bent
 
 
-def tangents(sites, values, bends):
+def tangents(sites, values, M):
     h, secant = np.diff(sites), np.diff(values) / np.diff(sites)
-    return secant[0] - h[0] / 6 * bends[1], secant[-1] + h[-1] / 6 * bends[-2]
+    return secant[0] - h[0] / 6 * M[1], secant[-1] + h[-1] / 6 * M[-2]
 
 
 def outside(sites, values, x, inside, slopes):
@@ -366,7 +390,7 @@ def outside(sites, values, x, inside, slopes):
 
 
 @answers("10.4")
-def decimals_lost_in_the_pieces(sites, values, bends, x):
+def decimals_lost_in_the_pieces(sites, values, M, x):
     """The result is an array like the values: if these are integers, it holds integers only, and
     the decimals are lost. Begin with `np.zeros` of the number of points.
     """
@@ -376,40 +400,40 @@ def decimals_lost_in_the_pieces(sites, values, bends, x):
         i = np.clip(np.searchsorted(sites, place) - 1, 0, len(h) - 1)
         u = (place - sites[i]) / h[i]
         left, right = max(1 - u, 0) ** 3 - (1 - u), max(u, 0) ** 3 - u
-        cubic = h[i] ** 2 / 6 * (left * bends[i] + right * bends[i + 1])
+        cubic = h[i] ** 2 / 6 * (left * M[i] + right * M[i + 1])
         s[k] = (1 - u) * values[i] + u * values[i + 1] + cubic
     return s
 
 
 @answers("10.4")
-def cubics_continued(sites, values, bends, x):
+def cubics_continued(sites, values, M, x):
     """Outside, the outer cubics are continued. A natural spline is straight before the first site
     and after the last one.
     """
-    return cubic(*located(sites, x), values, bends)
+    return cubic(*located(sites, x), values, M)
 
 
 @answers("10.4")
-def constant_outside(sites, values, bends, x):
+def constant_outside(sites, values, M, x):
     """Outside, the curve keeps the last value, so it has a kink at the end. The line must have the
     slope of the outer piece.
     """
-    inside = cubic(*located(sites, x), values, bends)
+    inside = cubic(*located(sites, x), values, M)
     return outside(sites, values, x, inside, (0.0, 0.0))
 
 
 @answers("10.4")
-def slope_of_the_chord(sites, values, bends, x):
+def slope_of_the_chord(sites, values, M, x):
     """Outside, the line has the slope of the chord of the outer interval instead of the slope of
     the curve at its end. So there is a kink. Differentiate (10.6) at the end.
     """
-    inside = cubic(*located(sites, x), values, bends)
+    inside = cubic(*located(sites, x), values, M)
     chords = np.diff(values) / np.diff(sites)
     return outside(sites, values, x, inside, (chords[0], chords[-1]))
 
 
 @answers("10.4")
-def moments_not_used(sites, values, bends, x):
+def moments_not_used(sites, values, M, x):
     """This is the broken line through the values. The term of (10.6) with the moments is
     missing.
     """
@@ -418,81 +442,77 @@ def moments_not_used(sites, values, bends, x):
 
 
 @answers("10.4")
-def moments_exchanged(sites, values, bends, x):
+def moments_exchanged(sites, values, M, x):
     """The moments of the two ends are exchanged: the moment of the left site is multiplied by the
     powers of u. Which bracket in (10.6) has a second derivative at u = 0?
     """
     i, h, u = located(sites, x)
-    flipped = cubic(i, h, u, values, 0 * bends)
-    flipped = flipped + h * h / 6 * (
-        ((1 - u) ** 3 - (1 - u)) * bends[i + 1] + (u**3 - u) * bends[i]
-    )
-    return outside(sites, values, x, flipped, tangents(sites, values, bends))
+    flipped = cubic(i, h, u, values, 0 * M)
+    flipped = flipped + h * h / 6 * (((1 - u) ** 3 - (1 - u)) * M[i + 1] + (u**3 - u) * M[i])
+    return outside(sites, values, x, flipped, tangents(sites, values, M))
 
 
 @answers("10.4")
-def length_not_squared(sites, values, bends, x):
+def length_not_squared(sites, values, M, x):
     """The bracket has the factor h and not h². Second derivatives by u are h² times those by x:
     the chain rule counts twice.
     """
     i, h, u = located(sites, x)
     flat = (1 - u) * values[i] + u * values[i + 1]
-    s = flat + (cubic(i, h, u, values, bends) - flat) / h
-    first = (values[1] - values[0]) / h[0] - bends[1] / 6
-    last = (values[-1] - values[-2]) / h[-1] + bends[-2] / 6
+    s = flat + (cubic(i, h, u, values, M) - flat) / h
+    first = (values[1] - values[0]) / h[0] - M[1] / 6
+    last = (values[-1] - values[-2]) / h[-1] + M[-2] / 6
     return outside(sites, values, x, s, (first, last))
 
 
 @answers("10.4")
-def sixth_forgotten(sites, values, bends, x):
+def sixth_forgotten(sites, values, M, x):
     """The bracket is not divided by six. The second derivative of u³ is 6u, and at the right end
     it should be the moment there.
     """
     i, h, u = located(sites, x)
-    return outside(
-        sites, values, x, cubic(i, h, u, values, 6 * bends), tangents(sites, values, 6 * bends)
-    )
+    return outside(sites, values, x, cubic(i, h, u, values, 6 * M), tangents(sites, values, 6 * M))
 
 
 @answers("10.4")
-def zero_outside(sites, values, bends, x):
+def zero_outside(sites, values, M, x):
     """Outside, you return zero. There the curve is a straight line, with the value and the slope at
     the end.
     """
-    inside = cubic(*located(sites, x), values, bends)
+    inside = cubic(*located(sites, x), values, M)
     return np.where((x < sites[0]) | (x > sites[-1]), 0.0, inside)
 
 
 @answers("10.4", named=False)
-def moments_exchanged_outside_too(sites, values, bends, x):
+def moments_exchanged_outside_too(sites, values, M, x):
     """The moments of the two ends of a piece are exchanged, in the slopes at the ends, too."""
     i, h, u = located(sites, x)
-    bent = ((1 - u) ** 3 - (1 - u)) * bends[i + 1] + (u**3 - u) * bends[i]
+    bent = ((1 - u) ** 3 - (1 - u)) * M[i + 1] + (u**3 - u) * M[i]
     d, chords = np.diff(sites), np.diff(values) / np.diff(sites)
-    ends = chords[0] - d[0] / 3 * bends[1], chords[-1] + d[-1] / 3 * bends[-2]
-    inside = cubic(i, h, u, values, 0 * bends) + h * h / 6 * bent
+    ends = chords[0] - d[0] / 3 * M[1], chords[-1] + d[-1] / 3 * M[-2]
+    inside = cubic(i, h, u, values, 0 * M) + h * h / 6 * bent
     return outside(sites, values, x, inside, ends)
 
 
-def right_piecewise(sites, values, bends, x):
-    inside = cubic(*located(sites, x), values, bends)
-    return outside(sites, values, x, inside, tangents(sites, values, bends))
+def right_piecewise(sites, values, M, x):
+    inside = cubic(*located(sites, x), values, M)
+    return outside(sites, values, x, inside, tangents(sites, values, M))
 
 
 @answers("10.4")
-def values_in_ascending_order(sites, values, bends, x):
+def values_in_ascending_order(sites, values, M, x):
     """The values are right for the sorted points, but not in the order of x. Each value must have
     the index of its point.
     """
-    return right_piecewise(sites, values, bends, np.sort(x))
+    return right_piecewise(sites, values, M, np.sort(x))
 
 
 @answers("10.4")
-def left_then_inside_then_right(sites, values, bends, x):
+def left_then_inside_then_right(sites, values, M, x):
     """The values for the points on the left come first, then those inside, then those on the right.
     Each value must have the index of its point in x.
     """
-    s = right_piecewise(sites, values, bends, x)
+    s = right_piecewise(sites, values, M, x)
     left, right = x < sites[0], x > sites[-1]
     return np.concatenate([s[left], s[~left & ~right], s[right]])
 
@@ -500,170 +520,189 @@ def left_then_inside_then_right(sites, values, bends, x):
 # 10.5 Back to truncated powers
 
 
-def thirds(sites, bends):
-    return np.concatenate([[0.0], (bends[1:] - bends[:-1]) / (sites[1:] - sites[:-1]), [0.0]])
+def thirds(sites, M):
+    return np.concatenate([[0.0], (M[1:] - M[:-1]) / (sites[1:] - sites[:-1]), [0.0]])
 
 
 def first_line(sites, values, slope):
     return np.array([values[0] - slope * sites[0], slope])
 
 
-def slope_at_left(sites, values, bends):
+def slope_at_left(sites, values, M):
     h = sites[1] - sites[0]
-    return (values[1] - values[0]) / h - h / 6 * bends[1]
+    return (values[1] - values[0]) / h - h / 6 * M[1]
 
 
 @answers("10.5")
-def jump_not_divided(sites, values, bends):
+def jump_not_divided(sites, values, M):
     """The jumps of the third derivative are right, but a cube has the third derivative six.
     Divide by it; the line is right.
     """
-    line = first_line(sites, values, slope_at_left(sites, values, bends))
-    return np.diff(thirds(sites, bends)), line
+    line = first_line(sites, values, slope_at_left(sites, values, M))
+    return np.diff(thirds(sites, M)), line
 
 
 @answers("10.5")
-def third_derivative_itself(sites, values, bends):
+def third_derivative_itself(sites, values, M):
     """These are sixths of the third derivatives to the right of each site, and not of their jumps.
     Each coefficient in (10.1) is only the change.
     """
-    line = first_line(sites, values, slope_at_left(sites, values, bends))
-    return thirds(sites, bends)[1:] / 6, line
+    line = first_line(sites, values, slope_at_left(sites, values, M))
+    return thirds(sites, M)[1:] / 6, line
 
 
 @answers("10.5")
-def jumps_the_wrong_way(sites, values, bends):
+def jumps_the_wrong_way(sites, values, M):
     """The jumps have the wrong sign: left minus right. In (10.8) the limit from the right comes
     first.
     """
-    line = first_line(sites, values, slope_at_left(sites, values, bends))
-    return -np.diff(thirds(sites, bends)) / 6, line
+    line = first_line(sites, values, slope_at_left(sites, values, M))
+    return -np.diff(thirds(sites, M)) / 6, line
 
 
 @answers("10.5")
-def factors_of_the_distances(sites, values, bends):
+def factors_of_the_distances(sites, values, M):
     """These are the coefficients of |x − y|³, half of those of truncated powers. The line is that
     of (10.1).
     """
-    line = first_line(sites, values, slope_at_left(sites, values, bends))
-    return np.diff(thirds(sites, bends)) / 12, line
+    line = first_line(sites, values, slope_at_left(sites, values, M))
+    return np.diff(thirds(sites, M)) / 12, line
 
 
 @answers("10.5")
-def chord_for_the_slope(sites, values, bends):
+def chord_for_the_slope(sites, values, M):
     """The line has the slope of the chord from the first site to the second. The slope of the curve
     differs from it. Which term of (10.6) is missing in your derivative?
     """
     slope = (values[1] - values[0]) / (sites[1] - sites[0])
-    return np.diff(thirds(sites, bends)) / 6, first_line(sites, values, slope)
+    return np.diff(thirds(sites, M)) / 6, first_line(sites, values, slope)
 
 
 @answers("10.5")
-def third_instead_of_a_sixth(sites, values, bends):
+def moment_added_to_the_slope(sites, values, M):
+    """The moment has the wrong sign in the slope of the line. Differentiate the term with the
+    second moment in (10.6) at the left end of the first interval.
+    """
+    h = sites[1] - sites[0]
+    slope = (values[1] - values[0]) / h + h / 6 * M[1]
+    return np.diff(thirds(sites, M)) / 6, first_line(sites, values, slope)
+
+
+@answers("10.5")
+def half_of_the_jumps(sites, values, M):
+    """The coefficients are half of the jumps of the third derivative. How often must a cube be
+    differentiated, and which factor does it have then? The line is right.
+    """
+    line = first_line(sites, values, slope_at_left(sites, values, M))
+    return np.diff(thirds(sites, M)) / 2, line
+
+
+@answers("10.5")
+def third_instead_of_a_sixth(sites, values, M):
     """In the slope the second moment counts twice as much as it should. Differentiate u³ - u at
     u = 0, and mind the factor in front of the bracket in (10.6).
     """
     h = sites[1] - sites[0]
-    slope = (values[1] - values[0]) / h - h / 3 * bends[1]
-    return np.diff(thirds(sites, bends)) / 6, first_line(sites, values, slope)
+    slope = (values[1] - values[0]) / h - h / 3 * M[1]
+    return np.diff(thirds(sites, M)) / 6, first_line(sites, values, slope)
 
 
 @answers("10.5")
-def value_for_the_constant(sites, values, bends):
+def value_for_the_constant(sites, values, M):
     """The constant is the value at the first site. In (10.1) the line is β₀ + β₁x, so β₀ is its
     value at x = 0.
     """
-    slope = slope_at_left(sites, values, bends)
-    return np.diff(thirds(sites, bends)) / 6, np.array([values[0], slope])
+    slope = slope_at_left(sites, values, M)
+    return np.diff(thirds(sites, M)) / 6, np.array([values[0], slope])
 
 
 @answers("10.5")
-def nothing_happens_at_the_ends(sites, values, bends):
+def nothing_happens_at_the_ends(sites, values, M):
     """At the first and the last site your coefficients are zero. The third derivative jumps there,
     too: it is zero outside.
     """
-    line = first_line(sites, values, slope_at_left(sites, values, bends))
-    alpha = np.diff(thirds(sites, bends)) / 6
+    line = first_line(sites, values, slope_at_left(sites, values, M))
+    alpha = np.diff(thirds(sites, M)) / 6
     alpha[[0, -1]] = 0
     return alpha, line
 
 
 @answers("10.5")
-def constant_and_slope_exchanged_here(sites, values, bends):
+def constant_and_slope_exchanged_here(sites, values, M):
     """The two numbers of the line are in the wrong order. In (10.1) the constant comes first."""
-    line = first_line(sites, values, slope_at_left(sites, values, bends))
-    return np.diff(thirds(sites, bends)) / 6, line[::-1]
+    line = first_line(sites, values, slope_at_left(sites, values, M))
+    return np.diff(thirds(sites, M)) / 6, line[::-1]
 
 
 # 10.6 The energy
 
 
 @answers("10.6")
-def trapezoids(sites, bends):
+def trapezoids(sites, M):
     """The square was integrated by the trapezoidal rule, from its values at the sites. Between
     them it is a parabola below the chord, so this is too large. Which term of the exact integral
     has both ends in it?
     """
     h = np.diff(sites)
-    return h @ (bends[:-1] ** 2 + bends[1:] ** 2) / 2
+    return h @ (M[:-1] ** 2 + M[1:] ** 2) / 2
 
 
 @answers("10.6")
-def middles(sites, bends):
+def middles(sites, M):
     """The square was taken in the middle of each interval, which is too small. The integral of a
     square is not the square of the mean.
     """
-    return np.diff(sites) @ ((bends[:-1] + bends[1:]) / 2) ** 2
+    return np.diff(sites) @ ((M[:-1] + M[1:]) / 2) ** 2
 
 
 @answers("10.6")
-def mixed_term_forgotten(sites, bends):
+def mixed_term_forgotten(sites, M):
     """The product of the two ends is missing. Multiply the square out before you integrate: there
     are three terms.
     """
-    return np.diff(sites) @ (bends[:-1] ** 2 + bends[1:] ** 2) / 3
+    return np.diff(sites) @ (M[:-1] ** 2 + M[1:] ** 2) / 3
 
 
 @answers("10.6")
-def mixed_term_doubled(sites, bends):
+def mixed_term_doubled(sites, M):
     """The mixed term counts twice. The square has a factor two in the middle, but the integral of
     u(1 - u) is a sixth, half of that of u².
     """
-    return np.diff(sites) @ (bends[:-1] + bends[1:]) ** 2 / 3
+    return np.diff(sites) @ (M[:-1] + M[1:]) ** 2 / 3
 
 
 @answers("10.6")
-def lengths_ignored(sites, bends):
+def lengths_ignored(sites, M):
     """The lengths of the intervals are missing. Dividing an interval into two must not change the
     energy.
     """
-    p, q = bends[:-1], bends[1:]
+    p, q = M[:-1], M[1:]
     return np.sum(p * p + p * q + q * q) / 3
 
 
 @answers("10.6")
-def not_squared(sites, bends):
+def not_squared(sites, M):
     """This is the integral of s″, the difference of the two slopes, and not of its square. Bends
     to the left and to the right cancel each other in it.
     """
-    return np.diff(sites) @ (bends[:-1] + bends[1:]) / 2
+    return np.diff(sites) @ (M[:-1] + M[1:]) / 2
 
 
 @answers("10.6")
-def root_taken(sites, bends):
+def root_taken(sites, M):
     """This is the square root of the energy: a norm. By (10.9) three times the bending has nine
     times the energy.
     """
-    p, q = bends[:-1], bends[1:]
+    p, q = M[:-1], M[1:]
     return np.sqrt(np.diff(sites) @ (p * p + p * q + q * q) / 3)
 
 
 @answers("10.6")
-def half_of_the_energy(sites, bends):
+def half_of_the_energy(sites, M):
     """This is half of the energy. Mechanics has a factor ½ in front of the integral; (10.9) has
     none.
     """
-    p, q = bends[:-1], bends[1:]
+    p, q = M[:-1], M[1:]
     return np.diff(sites) @ (p * p + p * q + q * q) / 6
 
 

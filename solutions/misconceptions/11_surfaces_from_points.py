@@ -590,6 +590,14 @@ def parts(x, sites):
     return offset, np.sqrt((offset**2).sum(axis=2))
 
 
+@answers("11.6", named=False)
+def sums_subtracted(x, sites, lam, c):
+    """Far from the origin two large sums are subtracted, and their digits are lost."""
+    r = np.linalg.norm(x[:, None] - sites, axis=2)
+    k = 3 * r * lam
+    return r**3 @ lam + c[0] + x @ c[1:], x * k.sum(axis=1)[:, None] - k @ sites + c[1:]
+
+
 @answers("11.6")
 def gradient_without_the_linear_part(x, sites, lam, c):
     """The gradient of the linear polynomial is missing. It is the same at all points."""

@@ -35,6 +35,14 @@ def right_weights(nodes, points):
     return solved(cubed, nodes, right_side(nodes, points))
 
 
+def by_pseudo_inverse(nodes, right):
+    """The first N entries, with the default tolerance of the pseudo-inverse."""
+    n, d = nodes.shape
+    p = np.column_stack([np.ones(n), nodes])
+    matrix = np.block([[apart(nodes, nodes) ** 3, p], [p.T, np.zeros((d + 1, d + 1))]])
+    return (np.linalg.pinv(matrix) @ right.T).T[:, :n]
+
+
 def right_slopes(nodes, points, factor=3.0, sign=1.0, unit=1.0):
     found = []
     for k in range(nodes.shape[1]):
@@ -46,6 +54,15 @@ def right_slopes(nodes, points, factor=3.0, sign=1.0, unit=1.0):
 
 
 # 12.1
+
+
+@answers("12.1")
+def small_singular_values_cut(nodes, points):
+    """The system was solved by a pseudo-inverse or by least squares, with the default tolerance. If
+    the coordinates are large, it cuts small singular values. The matrix is regular, so
+    `np.linalg.solve` solves the system.
+    """
+    return by_pseudo_inverse(nodes, right_side(nodes, points))
 
 
 @answers("12.1")

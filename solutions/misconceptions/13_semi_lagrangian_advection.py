@@ -69,8 +69,8 @@ def the_way_only(x, t, dt, flow):
 
 @answers("13.1")
 def velocity_of_the_time_before(x, t, dt, flow):
-    """The velocity is taken at the time t − Δt. (13.3) uses the velocity at the time t. In flow 1
-    they differ.
+    """The velocity is taken at the time t − Δt. (13.3) uses the velocity at the time t. In the
+    flows 1 and 2 they differ.
     """
     return x - dt * wind(x, t - dt, flow)
 
@@ -96,6 +96,12 @@ def always_at_time_zero(x, t, dt, flow):
     depends on time.
     """
     return x - dt * wind(x, 0.0, flow)
+
+
+@answers("13.1")
+def always_in_flow_zero(x, t, dt, flow):
+    """The velocity is that of flow 0, whatever the argument `flow` is. Pass it to `velocity`."""
+    return x - dt * wind(x, t, 0)
 
 
 @answers("13.1")
@@ -128,6 +134,14 @@ def place_not_halved(x, t, dt, flow):
 def time_went_forward(x, t, dt, flow):
     """The midpoint is back in space, but its time is t + Δt/2. In (13.4) its time is t − Δt/2."""
     return x - dt * wind(x - dt / 2 * wind(x, t, flow), t + dt / 2, flow)
+
+
+@answers("13.2")
+def midpoint_ahead(x, t, dt, flow):
+    """The midpoint lies ahead: half a step was added to x and not subtracted. Check the signs in
+    (13.4).
+    """
+    return x - dt * wind(x + dt / 2 * wind(x, t, flow), t - dt / 2, flow)
 
 
 @answers("13.2")
@@ -219,9 +233,33 @@ def times_forgotten(x, t, dt, flow):
 
 
 @answers("13.3")
+def times_ahead(x, t, dt, flow):
+    """The points go back, but the times of the stages go forward: t + Δt/2 and t + Δt. The
+    particle was at these points before the time t.
+    """
+    return four(x, t, dt, flow, times=(0, -0.5, -0.5, -1))
+
+
+@answers("13.3")
+def third_stage_like_the_second(x, t, dt, flow):
+    """The third velocity is computed with the first one, so it equals the second. In (13.5) each
+    stage uses the velocity of the stage before.
+    """
+    a = wind(x, t, flow)
+    b = wind(x - dt * a / 2, t - dt / 2, flow)
+    return x - dt * (a + 4 * b + wind(x - dt * b, t - dt, flow)) / 6
+
+
+@answers("13.3")
 def last_stage_half_way(x, t, dt, flow):
     """The fourth velocity is taken half a step back. In (13.5) its point is a whole step back."""
     return four(x, t, dt, flow, parts=(0, 0.5, 0.5, 0.5))
+
+
+@answers("13.3")
+def last_time_half_way(x, t, dt, flow):
+    """The fourth velocity is taken at the time t − Δt/2. In (13.5) its time is t − Δt."""
+    return four(x, t, dt, flow, times=(0, 0.5, 0.5, 0.5))
 
 
 @answers("13.3")
@@ -276,6 +314,62 @@ def without_the_polynomial(sites, feet, k):
 def another_power(sites, feet, k):
     """The kernel is the distance itself. (13.7) uses the cube of the distance, on both sides."""
     return matrix(sites, feet, k, phi=lambda r: r)
+
+
+def with_powers(sites, feet, k, left, right):
+    """The weights with one power of the distances on each side of (13.7)."""
+    h = np.zeros((len(feet), len(sites)))
+    for i, y in enumerate(feet):
+        near = np.argsort(np.linalg.norm(sites - y, axis=1))[:k]
+        z = sites[near] - y
+        p = np.insert(z, 0, 1.0, axis=1)
+        a = np.linalg.norm(z[:, None] - z, axis=2) ** left
+        system = np.block([[a, p], [p.T, np.zeros((p.shape[1], p.shape[1]))]])
+        b = np.concatenate([np.linalg.norm(z, axis=1) ** right, [1], 0 * y])
+        h[i, near] = np.linalg.solve(system, b)[:k]
+    return h
+
+
+@answers("13.5")
+def distances_on_the_right(sites, feet, k):
+    """The right-hand side has the distances, and the matrix their cubes. (13.7) has the cubes on
+    both sides.
+    """
+    return with_powers(sites, feet, k, 3, 1)
+
+
+@answers("13.5")
+def squares_on_the_right(sites, feet, k):
+    """The right-hand side has the squared distances, and the matrix their cubes. (13.7) has the
+    cubes on both sides.
+    """
+    return with_powers(sites, feet, k, 3, 2)
+
+
+@answers("13.5", named=False)
+def foot_not_made_the_origin(sites, feet, k):
+    """Far from the origin the coordinates of the foot and of the sites lose their digits."""
+    h = np.zeros((len(feet), len(sites)))
+    for i, y in enumerate(feet):
+        r = np.linalg.norm(sites - y, axis=1)
+        near = np.argsort(r)[:k]
+        z = sites[near]
+        p = np.insert(z.astype(float), 0, 1.0, axis=1)
+        a = np.linalg.norm(z[:, None] - z, axis=2) ** 3
+        system = np.block([[a, p], [p.T, np.zeros((p.shape[1], p.shape[1]))]])
+        h[i, near] = np.linalg.solve(system, np.concatenate([r[near] ** 3, [1], y]))[:k]
+    return h
+
+
+@answers("13.5", named=False)
+def neighbours_by_expanded_squares(sites, feet, k):
+    """Far from the origin the squares lose the digits that decide which site is nearer."""
+    h = np.zeros((len(feet), len(sites)))
+    for i, y in enumerate(feet):
+        near = np.argsort((sites**2).sum(axis=1) - 2 * sites @ y)[:k]
+        order, w = local_weights(sites[near], y[None], k)
+        h[i, near[order]] = w
+    return h
 
 
 @answers("13.5")
@@ -445,6 +539,14 @@ def of_all_sites(sites, u, feet):
     return np.full(len(feet), u.min()), np.full(len(feet), u.max())
 
 
+@answers("13.8", named=False)
+def distances_rounded(sites, u, feet):
+    """Distances rounded to twelve decimals are equal in small units of length."""
+    r = np.round(np.linalg.norm(feet[:, None] - sites, axis=2), 12)
+    near = u[np.argsort(r, axis=1)[:, :4]]
+    return near.min(axis=1), near.max(axis=1)
+
+
 @answers("13.8")
 def of_the_nearest_alone(sites, u, feet):
     """Only one site was used, so both bounds are equal. (13.8) uses four sites."""
@@ -563,6 +665,14 @@ def areas_ignored(u, low, high, m, total):
     return halved(
         u, low, high, np.ones(len(m)), total * len(m) / m.sum(), (low - u).min(), (high - u).max()
     )
+
+
+@answers("13.9")
+def sum_of_the_values(u, low, high, m, total):
+    """The plain sum of the values is the required mass, or as near to it as the bounds allow. In
+    (13.9) each value is multiplied by its area m.
+    """
+    return halved(u, low, high, np.ones(len(m)), total, (low - u).min(), (high - u).max())
 
 
 @answers("13.9")

@@ -767,6 +767,16 @@ def middle_side(points, triangles, tolerance):
     return twice_areas(points, triangles) <= tolerance * middle
 
 
+@answers("14.7", named=False)
+def areas_by_the_products_of_sides(points, triangles, tolerance):
+    """In nearly flat triangles the two products agree, and their difference has no digits."""
+    a, b, c = points[triangles.T].astype(float)
+    u, v = b - a, c - a
+    squares = np.sum(u * u, axis=1) * np.sum(v * v, axis=1) - np.sum(u * v, axis=1) ** 2
+    longest = lengths(points, triangles).max(axis=0)
+    return np.maximum(squares, 0) <= (tolerance * longest) ** 2
+
+
 # 14.8 Pierced
 
 
@@ -800,6 +810,48 @@ def the_whole_plane(start, end, corners):
     """
     p, q = plane(start, end, corners)
     return p * q < 0
+
+
+@answers("14.8")
+def signs_multiplied(start, end, corners):
+    """For very small pairs the product of two numbers (14.4) is rounded to zero, and does not count
+    as negative. Compare the signs of the two numbers.
+    """
+    a, b, c = corners.swapaxes(0, 1)
+    across = np.cross(b - a, c - a)
+    p, q = (np.sum(across * (x - a), axis=1) for x in (start, end))
+    one, two, three = sides_of_line(start, end, corners)
+    return (p * q < 0) & (one == two) & (two == three)
+
+
+@answers("14.8", named=False)
+def determinants_of_absolute_coordinates(start, end, corners):
+    """Rounding errors of the determinants decide where a segment ends in the plane."""
+    a, b, c = corners.swapaxes(0, 1)
+
+    def side(*four):
+        rows = [np.insert(np.asarray(p, dtype=float), 3, 1, axis=1) for p in four]
+        return np.sign(np.linalg.det(np.stack(rows, axis=1)))
+
+    signs = [side(start, end, *two) for two in ((a, b), (b, c), (c, a))]
+    across = side(a, b, c, start) * side(a, b, c, end) < 0
+    return across & (signs[0] == signs[1]) & (signs[1] == signs[2])
+
+
+@answers("14.8", named=False)
+def products_of_absolute_coordinates(start, end, corners):
+    """Far from the origin the digits of the difference are lost, and points in the plane count as
+    beside it.
+    """
+    a, b, c = corners.swapaxes(0, 1)
+
+    def side(a, b, c, x):
+        n = np.cross(b - a, c - a)
+        return np.sign(np.sum(n * x, axis=1) - np.sum(n * a, axis=1))
+
+    signs = [side(start, end, *two) for two in ((a, b), (b, c), (c, a))]
+    across = side(a, b, c, start) * side(a, b, c, end) < 0
+    return across & (signs[0] == signs[1]) & (signs[1] == signs[2])
 
 
 @answers("14.8")
@@ -859,9 +911,10 @@ def middle_of_the_line(start, end, corners):
 
 
 @answers("14.8")
-def signs_of_the_cross_product(start, end, corners):
-    """The sign was taken of the cross product, coordinate by coordinate, before it was multiplied.
-    Then the plane has another direction. In (14.4) the sign is that of the whole product.
+def sign_of_each_coordinate(start, end, corners):
+    """The sign was taken of each coordinate of the cross product. The vector then has another
+    direction and is no longer normal to the plane. In (14.4) the sign is taken last, of the scalar
+    product.
     """
 
     def six_volumes(a, b, c, d):

@@ -83,6 +83,19 @@ def integers(numbers: np.ndarray, size: float = 300.0) -> np.ndarray:
     return np.rint(size * numbers).astype(int)
 
 
+def in_short_binary_numbers(numbers: np.ndarray) -> np.ndarray:
+    """Return numbers rounded to 24 binary digits after the point: they stay exact far away.
+
+    Examples
+    --------
+    >>> in_short_binary_numbers(np.array([0.1])) + 2.0**28 - 2.0**28 == in_short_binary_numbers(
+    ...     np.array([0.1])
+    ... )
+    array([ True])
+    """
+    return np.asarray(np.round(numbers * 2.0**24) / 2.0**24)
+
+
 @dataclass(frozen=True)
 class Outcome:
     """The outcome of a call.

@@ -12,7 +12,7 @@ import numpy as np
 from fieldcheck.answers import Answers
 from fieldcheck.calls import Call, Outcome, Values
 from fieldcheck.question import Question
-from fieldcheck.shapes import fitted, in_words, shape_in_words
+from fieldcheck.shapes import are_whole, fitted, in_words, shape_in_words
 from fieldcheck.verdict import WAITING, Verdict
 
 
@@ -106,4 +106,9 @@ def _shown(values: Values | None) -> str:
     """Return the numbers, if there are few."""
     if values is None or sum(v.size for v in values) > MOST_SHOWN:
         return ""
-    return ": " + " and ".join(np.array2string(v, precision=6) for v in values)
+    return ": " + " and ".join(np.array2string(_as_integers(v), precision=6) for v in values)
+
+
+def _as_integers(value: np.ndarray) -> np.ndarray:
+    """Return whole numbers as integers, so that a rank is 4 and not ``4.``."""
+    return value.astype(int) if are_whole(value) else value

@@ -6,6 +6,7 @@ The judge sees calls and outcomes, and never the function itself.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import product
 
 import numpy as np
 
@@ -13,7 +14,14 @@ from fieldcheck.answers import Answers
 from fieldcheck.calls import LIST, MATRIX, Call, Outcome, Values
 from fieldcheck.patterns import are_truth_values, pattern
 from fieldcheck.question import LEAST_TOLERANCE, Law, Question, scale
-from fieldcheck.shapes import ORDINALS, fitted, in_words, shape_in_words, without_extra_axes
+from fieldcheck.shapes import (
+    ORDINALS,
+    are_whole,
+    fitted,
+    in_words,
+    shape_in_words,
+    without_extra_axes,
+)
 from fieldcheck.verdict import FINDINGS, Finding, Verdict
 
 TIMEOUT_FACTOR = 4.0
@@ -21,9 +29,6 @@ TIMEOUT_FACTOR = 4.0
 
 NOT_RECOGNISABLE = ("missing", "unwritten", "endless", "modified", "slow")
 """Failures that are reported as they are; the values of a slow answer are right."""
-
-LARGEST_WHOLE = 2.0**53
-"""All numbers of at least this size are whole."""
 
 STEP = 1e-3
 """Relative size of the change that shows the unit in which answers are compared."""
@@ -94,14 +99,12 @@ def _failures(
     outcomes: Sequence[Outcome],
     answers: Answers | None,
 ) -> Iterator[Failure]:
-    """Yield the failures of single calls, then those that only all calls together show."""
-    found = False
+    """Yield the failures of the first call that has any, else those that the values show."""
     for index, (call, outcome) in enumerate(zip(calls, outcomes, strict=True)):
-        for finding, sentence in _form(question, call, outcome):
-            found = True
-            yield finding, sentence, index
-    if found:
-        return
+        form = list(_form(question, call, outcome))
+        yield from ((finding, sentence, index) for finding, sentence in form)
+        if form:
+            return
     yield from _wrong(question, calls, _values(question, calls, outcomes), answers)
     slowest = int(np.argmax([outcome.seconds for outcome in outcomes]))
     if outcomes[slowest].seconds > question.limit:
@@ -177,22 +180,36 @@ def _array_form(
 def _wrong(
     question: Question, calls: Sequence[Call], values: Sequence[Values], answers: Answers | None
 ) -> Iterator[Failure]:
-    """Yield the first violated law and a case that violates it, or the largest difference."""
+    """Yield a violated law and the first case that violates it, or else the first wrong case.
+
+    Inputs begin with the plain cases, so the first one is the simplest.
+    """
+    violated = [law for law in question.laws if not _deviation(law, calls, values) <= law.tolerance]
+    if answers is None:
+        for law in violated[:1]:
+            deviation = _deviation(law, calls, values)
+            yield "wrong", _joined(law.sentence, _off(deviation, law.tolerance)), None
+        return
     units = _units(question, calls, values, answers)
-    off = [max(d.max(initial=0.0) for d in parts) for parts in units]
-    worst = int(np.argmax(off)) if off and max(off) > 1 else None
-    for law in question.laws:
-        deviation = _deviation(law, calls, values)
+    failed = [k for k, d in enumerate(units) if not max(map(_largest, d)) <= 1]
+    for index, law in product(failed, violated):
+        deviation = _deviation_alone(law, calls, values, answers.right, index)
         if not deviation <= law.tolerance:
-            shown = _violating(law, calls, values, answers.right, off) if answers else None
-            text = _off(deviation, law.tolerance)
-            if answers and shown is not None:
-                text = _difference(question, calls[shown], units[shown], answers.right, shown)
-            yield "wrong", _joined(law.sentence, text), worst if shown is None else shown
+            text = law.amount and f"For {calls[index].case}, {law.amount.format(deviation)}."
+            text = text or _difference(question, calls[index], units[index], answers.right, index)
+            yield "wrong", _joined(law.sentence, text), index
             return
-    if answers and worst is not None:
-        text = _difference(question, calls[worst], units[worst], answers.right, worst)
-        yield "wrong", text, worst
+    first = failed[0] if failed else None
+    if violated:
+        text = _off(_deviation(violated[0], calls, values), violated[0].tolerance)
+        yield "wrong", _joined(violated[0].sentence, text), first
+    elif first is not None:
+        text = _difference(question, calls[first], units[first], answers.right, first)
+        yield "wrong", text, first
+
+
+def _largest(differences: np.ndarray) -> float:
+    return float(differences.max(initial=0.0))
 
 
 def _joined(*sentences: str) -> str:
@@ -204,34 +221,26 @@ def _deviation(law: Law, calls: Sequence[Call], values: Sequence[Values]) -> flo
         return float(law.deviation(calls, values))
 
 
-def _violating(
+def _deviation_alone(
     law: Law,
     calls: Sequence[Call],
     values: Sequence[Values],
     right: Sequence[Values],
-    off: Sequence[float],
-) -> int | None:
-    """Return the call with the largest difference among those that alone violate a law.
+    index: int,
+) -> float:
+    """Return by how much one call alone violates a law.
 
     If the law compares calls, the others get their right values.
     """
-
-    def alone(index: int) -> float:
-        if law.of_each:
-            return _deviation(law, calls[index : index + 1], values[index : index + 1])
-        return _deviation(law, calls, [*right[:index], values[index], *right[index + 1 :]])
-
-    falling = sorted(range(len(off)), key=lambda index: -off[index])
-    failed = (index for index in falling if off[index] > 1)
-    return next((index for index in failed if not alone(index) <= law.tolerance), None)
+    if law.of_each:
+        return _deviation(law, calls[index : index + 1], values[index : index + 1])
+    return _deviation(law, calls, [*right[:index], values[index], *right[index + 1 :]])
 
 
 def _units(
-    question: Question, calls: Sequence[Call], values: Sequence[Values], answers: Answers | None
+    question: Question, calls: Sequence[Call], values: Sequence[Values], answers: Answers
 ) -> list[list[np.ndarray]]:
-    """Return the differences from the right answer in units of the tolerance, if it is known."""
-    if answers is None:
-        return []
+    """Return the differences from the right answer in units of the tolerance."""
     triples = zip(calls, values, answers.right, strict=True)
     return [question.differences(*triple) for triple in triples]
 
@@ -257,7 +266,7 @@ def _difference(
     if np.isclose(off, 1) and are_truth_values(answers):
         return f"For {call.case}, {entry} {_of_two(compared.flat[int(np.argmax(units[part]))])}."
     text = f"For {call.case}, {entry} is off by {off:.2g}."
-    if _whole(wanted):
+    if are_whole(wanted):
         which = "All right values here" if len(units) == 1 else "All right values of this array"
         return f"{text} {which} are whole numbers."
     return (
@@ -288,12 +297,7 @@ def _off(deviation: float, tolerance: float) -> str:
     """Return the size of the violation of a law, if it is not an integer or infinite."""
     if not np.isfinite(deviation) or deviation == round(deviation):
         return ""
-    return f"It is off by {deviation:.2g}; rounding explains {tolerance:.0e}."
-
-
-def _whole(values: np.ndarray) -> bool:
-    """Return whether all values are whole numbers, and not just so large that decimals are lost."""
-    return bool((values == np.round(values)).all() and (np.abs(values) < LARGEST_WHOLE).all())
+    return f"This is off by {deviation:.2g}; rounding explains {tolerance:.0e}."
 
 
 def _order_is_open(question: Question, call: Call, right: Values, part: int) -> bool:

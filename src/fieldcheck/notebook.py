@@ -20,16 +20,18 @@ from fieldcheck.pictures import picture_of_difference
 from fieldcheck.question import Question
 from fieldcheck.questions import get, questions
 from fieldcheck.seeds import EVERYBODY, seed, student
-from fieldcheck.verdict import CREDIT, Verdict
+from fieldcheck.verdict import CREDIT, TITLES, WAITING, Verdict
 
 RECORD = ".progress.json"
 """The file beside the notebooks that stores the verdicts."""
 
 Row = tuple[str, str, str, int]
 """A question, its function, the verdict, and its points."""
+Part = tuple[str, list[Row], str]
+"""A heading, rows, and the sum of their points in words."""
 
-_failed: dict[str, FailedCase] = {}
-"""The failed case of each question, the latest last."""
+_failed: dict[str, FailedCase | None] = {}
+"""The failed case of each question, or None after a right check; the latest last."""
 
 
 def check(name: str, functions: dict[str, Any] | None = None) -> Verdict:
@@ -54,6 +56,8 @@ def check(name: str, functions: dict[str, Any] | None = None) -> Verdict:
         tried.verdict, question, tried.calls, tried.outcomes, tried.answers
     )
     _remember(verdict)
+    if verdict.right:
+        _failed[question.name] = None
     return verdict
 
 
@@ -117,11 +121,11 @@ def case(name: str = "") -> FailedCase:
     Raises
     ------
     ValueError
-        If no check of this question has failed since the notebook was started.
+        If the last check of this question, or without a name the last check, has not failed.
     """
     found = _failed.get(get(name).name) if name else next(reversed(_failed.values()), None)
     if found is None:
-        raise ValueError(f"no check of {name or 'a question'} has failed; run a check first")
+        raise ValueError(f"the last check{name and ' of '}{name} has not failed; run a check first")
     return found
 
 
@@ -134,9 +138,9 @@ def data(name: str) -> tuple[Any, ...]:
 
 
 def progress() -> Progress:
-    """Return your progress: questions, verdicts and points of the notebooks that you began.
+    """Return your progress: questions, verdicts and points of each notebook that you began.
 
-    Optional questions have a table and a sum of their own.
+    Optional questions have a table and a sum of their own. Answers in words are not checked.
     """
     return Progress(_record())
 
@@ -161,28 +165,31 @@ def stubs() -> dict[str, str]:
 
 def optional_questions() -> frozenset[str]:
     """Return the names of the optional questions."""
-    outline = json.loads((files("fieldcheck") / "outline.json").read_text(encoding="utf-8"))
-    return frozenset(outline["optional"])
+    return frozenset(_outline()["optional"])
+
+
+def points_in_words() -> dict[str, float]:
+    """Return the points of the answers in words of each notebook, without the optional ones."""
+    return dict(_outline()["points_in_words"])
+
+
+def _outline() -> dict[str, Any]:
+    file = files("fieldcheck") / "outline.json"
+    return dict(json.loads(file.read_text(encoding="utf-8")))
 
 
 class Progress:
-    """A table of questions and verdicts: those of the core, then the optional ones."""
+    """A table for each notebook: its questions for functions, and the sum of their points."""
 
     def __init__(self, record: dict[str, str]) -> None:
         begun = {name.partition(".")[0] for name in record}
-        optional = optional_questions()
-        rows = [
+        self.rows: list[Row] = [
             (q.name, q.function, record.get(q.name, "unwritten"), q.points)
             for q in questions().values()
             if q.notebook in begun or not begun
         ]
-        self.core = [row for row in rows if row[0] not in optional]
-        self.optional = [row for row in rows if row[0] in optional]
-
-    @property
-    def rows(self) -> list[Row]:
-        """All rows: name, function, verdict, points."""
-        return self.core + self.optional
+        optional = optional_questions()
+        self.core = [row for row in self.rows if row[0] not in optional]
 
     @property
     def earned(self) -> float:
@@ -191,38 +198,54 @@ class Progress:
 
     @property
     def possible(self) -> int:
-        """The points of the core."""
+        """The points of the functions of the core."""
         return _possible(self.core)
 
     @property
-    def _parts(self) -> list[tuple[str, list[Row]]]:
-        parts = [("core", self.core), ("optional", self.optional)]
-        return [part for part in parts if part[1]]
+    def _parts(self) -> list[Part]:
+        return [
+            part
+            for notebook in dict.fromkeys(_notebook(row) for row in self.rows)
+            for part in self._parts_of([row for row in self.rows if _notebook(row) == notebook])
+        ]
 
-    def _total(self, part: str, rows: list[Row]) -> str:
-        name = f", {part}" if self.optional else ""
-        return f"{_earned(rows):g} of {_possible(rows)} points{name}"
+    def _parts_of(self, rows: list[Row]) -> list[Part]:
+        notebook = _notebook(rows[0])
+        core = [row for row in rows if row in self.core]
+        optional = [row for row in rows if row not in self.core]
+        words = points_in_words().get(notebook, 0)
+        more = f"; {words:g} more for answers in words, which are graded by hand" if words else ""
+        parts = [(f"Notebook {notebook}", core, f"{_sum(core)} for functions{more}")]
+        if optional:
+            parts.append((f"Notebook {notebook}, optional", optional, _sum(optional)))
+        return parts
 
     def __repr__(self) -> str:
         return "\n".join(
             line
-            for part, rows in self._parts
+            for heading, rows, total in self._parts
             for line in (
+                heading,
                 *(
                     f"{name}  {function:<32} {_symbol(finding)}"
                     for name, function, finding, _ in rows
                 ),
-                self._total(part, rows),
+                total,
             )
         )
 
     def _repr_html_(self) -> str:
         left = "style='text-align:left'"
-        head = f"<tr><th></th><th {left}>function</th><th></th><th>points</th></tr>"
         return "".join(
-            f"<table>{head}{''.join(map(_html_row, rows))}</table><p>{self._total(part, rows)}</p>"
-            for part, rows in self._parts
+            f"<table><caption {left}>{heading}</caption>"
+            f"<tr><th></th><th {left}>function</th><th></th><th>points</th></tr>"
+            f"{''.join(map(_html_row, rows))}</table><p>{total}</p>"
+            for heading, rows, total in self._parts
         )
+
+
+def _notebook(row: Row) -> str:
+    return row[0].partition(".")[0]
 
 
 def _earned(rows: list[Row]) -> float:
@@ -231,6 +254,10 @@ def _earned(rows: list[Row]) -> float:
 
 def _possible(rows: list[Row]) -> int:
     return sum(points for *_, points in rows)
+
+
+def _sum(rows: list[Row]) -> str:
+    return f"{_earned(rows):g} of {_possible(rows)} points"
 
 
 def _html_row(row: Row) -> str:
@@ -242,9 +269,10 @@ def _html_row(row: Row) -> str:
 
 
 def _symbol(finding: str) -> str:
-    return {"right": "✓ right", "unwritten": "·", "missing": "·", "inherited": "· waits"}.get(
-        finding, f"✗ {finding}"
-    )
+    if finding in ("unwritten", "missing"):
+        return "·"
+    sign = "✓" if CREDIT.get(finding) else "·" if finding in WAITING else "✗"
+    return f"{sign} {TITLES.get(finding, finding).lstrip('— ')}"
 
 
 def _record() -> dict[str, str]:

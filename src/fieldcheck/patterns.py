@@ -38,6 +38,12 @@ FACTORS = {
 NEARLY_ONE = 1e-3
 """Factors this close to one may be rounding errors, which have another factor in each case."""
 
+LOST = 1e-3
+"""Relative errors below this one are no decimals that an array of integers has lost."""
+
+FAR_OFF = 100.0
+"""Errors of this many times the tolerance are no rounding errors."""
+
 HERE = "Among the inputs of this check, your values are"
 """What holds for these inputs need not hold for all others."""
 
@@ -71,6 +77,17 @@ class Case:
     def differ(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         """Return where two arrays of one shape differ by more than the tolerance."""
         return ~(np.abs(a - b) <= self.tolerance * scale(b))
+
+    @property
+    def is_right_whole(self) -> bool:
+        """Whether all right values are integers."""
+        return all((r == np.rint(r)).all() for r in self.right)
+
+    @property
+    def is_far_off(self) -> bool:
+        """Whether some value differs by many times the tolerance."""
+        limit = FAR_OFF * self.tolerance
+        return any((~(np.abs(v - r) <= limit * scale(r))).any() for v, r in self.pairs)
 
     def same(self, a: np.ndarray, b: np.ndarray) -> bool:
         """Return whether two arrays are equal within the tolerance."""
@@ -124,7 +141,8 @@ def pattern(
         or _single_precision(cases, wrong)
         or next(filter(None, (kind(wrong) for kind in kinds)), "")
     )
-    return " ".join(filter(None, (_where(cases, wrong), found)))
+    where = _where(cases, wrong) or ("" if found else _sizes(cases, wrong))
+    return " ".join(filter(None, (where, found)))
 
 
 def _from_the_corner(kind: Kind) -> Kind:
@@ -156,9 +174,7 @@ def _where(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
     if len(right) == 1:
         is_zero = not any(r.any() for r in right[0].right)
         return "" if is_zero else f"{HERE} right only for {right[0].name}."
-    return _dimensions(
-        {case.dimension for case in right}, {case.dimension for case in wrong}
-    ) or _sizes({case.rows for case in right}, {case.rows for case in wrong})
+    return _dimensions({case.dimension for case in right}, {case.dimension for case in wrong})
 
 
 def _first_table(call: Call) -> tuple[int, int]:
@@ -174,10 +190,17 @@ def _dimensions(right: set[int], wrong: set[int]) -> str:
     return f"{HERE} right {below}, and wrong {above}."
 
 
-def _sizes(right: set[int], wrong: set[int]) -> str:
-    """Recognize that all short tables are wrong and all long ones are right, or the opposite."""
-    if not right or 0 in right | wrong:
+def _sizes(cases: Sequence[Case], wrong_cases: Sequence[Case]) -> str:
+    """Recognize that all short tables are wrong and all long ones are right, or the opposite.
+
+    Small errors say nothing: whether they are above the tolerance is chance.
+    """
+    right = {case.rows for case in cases if case not in wrong_cases}
+    wrong = {case.rows for case in wrong_cases}
+    if not right or 0 in right | wrong or not all(case.is_far_off for case in wrong_cases):
         return ""
+    if len(right) == 1 and right != {1}:
+        return ""  # such as the triangles among polygons, which are special
     if max(wrong) < min(right):
         these, others = f"{min(right)} or more", f"{max(wrong)} or fewer"
     elif max(right) < min(wrong):
@@ -192,8 +215,11 @@ def _is_whole(argument: object) -> bool:
 
 
 def _integers(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
-    """Recognize that the wrong cases are those in which an argument is an array of integers."""
-    right = [case.whole for case in cases if case not in wrong]
+    """Recognize that the wrong cases are those in which an argument is an array of integers.
+
+    Where the right values are integers, too, an array of integers loses nothing.
+    """
+    right = [case.whole for case in cases if case not in wrong and not case.is_right_whole]
     always = frozenset.intersection(*(case.whole for case in wrong))
     if not (right and always.difference(*right)):
         return ""
@@ -209,10 +235,10 @@ def _integers(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
         )
     if len(wrong) == 1:
         return ""
-    return (
-        "Your values are wrong only where an argument is an array of integers. Do you store "
-        "decimals in an array of integers, such as `np.zeros_like` makes?"
-    )
+    only = "Your values are wrong only where an argument is an array of integers."
+    if not all((np.abs(v - r) <= LOST * scale(r)).all() for case in wrong for v, r in case.pairs):
+        only += " Do you store decimals in an array of integers, such as `np.zeros_like` makes?"
+    return only
 
 
 def _single_precision(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
@@ -248,7 +274,9 @@ def _factor(wrong: Sequence[Case]) -> str:
         names.setdefault(_times(k), case.name)
     (first, name), *others = names.items()
     if not others:
-        return f"The wrong values are the right ones {first}."
+        return (
+            "" if _is_one_whole_number(wrong) else f"The wrong values are the right ones {first}."
+        )
     other, its_name = others[0]
     return (
         f"For {name}, the wrong values are the right ones {first}. "
@@ -288,6 +316,12 @@ def _plausible(factor: float, wrong: Sequence[Case]) -> bool:
     """Return whether a factor says more than that one whole number stands for another."""
     whole = all((r == np.round(r)).all() for case in wrong for r in case.right)
     return not whole or factor < 0 or bool(_named(factor))
+
+
+def _is_one_whole_number(wrong: Sequence[Case]) -> bool:
+    """Return whether all right values are the same whole number, such as ranks of five."""
+    sizes = np.unique(np.abs(np.concatenate([r.ravel() for case in wrong for r in case.right])))
+    return len(sizes) == 1 and float(sizes[0]).is_integer()
 
 
 def _signs(wrong: Sequence[Case]) -> str:
@@ -338,7 +372,8 @@ ORDERS: tuple[tuple[str, Callable[[np.ndarray], np.ndarray], bool], ...] = (
 
 
 def _order(wrong: Sequence[Case]) -> str:
-    for sentence, arranged, both in ORDERS:
+    orders = ORDERS if all(map(_are_different, wrong)) else ORDERS[:-1]
+    for sentence, arranged, both in orders:
         if all(
             case.same(arranged(v), arranged(r) if both else r)
             for case in wrong
@@ -346,6 +381,15 @@ def _order(wrong: Sequence[Case]) -> str:
         ):
             return sentence
     return ""
+
+
+def _are_different(case: Case) -> bool:
+    """Return whether most right values differ, so that equal ones elsewhere are no chance.
+
+    The corners of a regular hexagon have few coordinates, up to the sign.
+    """
+    sizes = [np.abs(r) for r in case.right]
+    return all(2 * len(np.unique(np.round(s / scale(s), 9))) > s.size for s in sizes)
 
 
 def _positions(wrong: Sequence[Case]) -> str:

@@ -33,12 +33,16 @@ class Law:
         The largest deviation that rounding explains.
     of_each : bool
         Whether it holds for each call alone, so that calls need not be compared.
+    amount : str
+        What the deviation of one call is, with ``{}`` for the number, where this says more than the
+        difference from the right answer.
     """
 
     sentence: str
     deviation: Deviation
     tolerance: float = LEAST_TOLERANCE
     of_each: bool = False
+    amount: str = ""
 
 
 def law(sentence: str, tolerance: float = LEAST_TOLERANCE) -> Callable[[Deviation], Law]:
@@ -47,7 +51,7 @@ def law(sentence: str, tolerance: float = LEAST_TOLERANCE) -> Callable[[Deviatio
 
 
 def law_of_each(
-    sentence: str, tolerance: float = LEAST_TOLERANCE
+    sentence: str, tolerance: float = LEAST_TOLERANCE, amount: str = ""
 ) -> Callable[[Callable[[Call, Values], float]], Law]:
     """Declare the function below as the deviation of one call; the largest, or NaN, counts."""
 
@@ -56,7 +60,7 @@ def law_of_each(
         def largest(calls: Sequence[Call], values: Sequence[Values]) -> float:
             return float(np.max([deviation(*each) for each in zip(calls, values, strict=True)]))
 
-        return Law(sentence, largest, tolerance, of_each=True)
+        return Law(sentence, largest, tolerance, of_each=True, amount=amount)
 
     return declare
 

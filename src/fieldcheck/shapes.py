@@ -79,3 +79,12 @@ def in_words(values: Values) -> str:
 def shape_in_words(shape: tuple[int, ...]) -> str:
     """Return a shape in words."""
     return f"an array of shape {shape}" if shape else "a number"
+
+
+LARGEST_WHOLE = 2.0**53
+"""All numbers of at least this size are whole."""
+
+
+def are_whole(values: np.ndarray) -> bool:
+    """Return whether all values are whole numbers, and not just so large that decimals are lost."""
+    return bool((values == np.round(values)).all() and (np.abs(values) < LARGEST_WHOLE).all())

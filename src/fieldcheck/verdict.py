@@ -62,7 +62,7 @@ class Verdict:
     mistake : str
         Name of the recognized misconception.
     call : int, optional
-        The call with the largest error.
+        The first call that fails.
     picture : str
         A picture of the difference, as SVG; may be empty.
     """

@@ -18,6 +18,7 @@ import fieldcheck
 from fieldcheck import answers, calls, figures, notebook, seeds
 from fieldcheck.answers import Answers, Mistake
 from fieldcheck.calls import Call, Outcome, perform
+from fieldcheck.failed_case import FailedCase
 from fieldcheck.judge import judge
 from fieldcheck.pictures import picture_of_difference
 from fieldcheck.question import Law, Question, relative, unchanged
@@ -138,6 +139,42 @@ def test_the_shown_case_violates_the_quoted_law():
     assert sentence.startswith("Twice the numbers have twice the sum. For 3 numbers, ")
 
 
+def test_the_first_failing_case_is_shown():
+    """Cases begin with the plain ones; the error of a later one may be larger, or the law too."""
+
+    def larger_for_three(x):
+        return 2 * x + (1 if len(x) == 5 else 1e6)
+
+    verdict = verdict_of(larger_for_three, known())
+    assert verdict.sentence.startswith("Twice the numbers have twice the sum. For 5 numbers, ")
+    assert verdict.call == 0
+
+    def obeys_the_law_first(x):
+        return 2 * x + (np.array([9, -9, 0, 0, 0]) if len(x) == 5 else 0)
+
+    verdict = verdict_of(obeys_the_law_first, known())
+    assert verdict.sentence.startswith("For 5 numbers, entry [0] is off by 9.")
+
+
+def test_the_first_case_of_a_wrong_form_is_shown():
+    """A wrong shape explains the error that it causes in a later case."""
+
+    def column(x):
+        return x[:, None] if len(x) == 5 else x[:, None].sum(axis=2)
+
+    assert verdict_of(column, known()).finding == "shape"
+
+
+def test_a_law_may_say_what_its_deviation_is():
+    """It says more than a difference where the right answer is one of many."""
+    names_it = Law("Be right.", is_linear, of_each=True, amount="the sum is wrong by {:.1g}")
+    outcomes = perform({"twice": lambda x: 2 * x + 1}, CALLS, 600)
+    verdict = judge(replace(TWICE, laws=(names_it,)), CALLS, outcomes, known())
+    deviation = is_linear(CALLS[:1], [outcomes[0].values])
+    sentence = f"Be right. For 5 numbers, the sum is wrong by {deviation:.1g}."
+    assert verdict.sentence.startswith(sentence)
+
+
 def test_a_law_on_several_cases_is_quoted_without_one():
     """No single case violates it."""
     grows = Law(
@@ -186,7 +223,7 @@ def test_without_known_answers_the_laws_decide():
     assert verdict_of(lambda x: 2 * x).right
     verdict = verdict_of(lambda x: 2.001 * x)
     assert verdict.finding == "wrong"
-    assert verdict.sentence.startswith("Twice the numbers have twice the sum. It is off by")
+    assert verdict.sentence.startswith("Twice the numbers have twice the sum. This is off by")
     assert verdict_of(lambda x: x**2).finding == "wrong"
 
 
@@ -434,6 +471,22 @@ def test_progress_is_kept_after_a_restart(first_notebook):
     assert shown.possible == sum(question.points for question in begun)
 
 
+def test_progress_has_a_sum_for_each_notebook():
+    """It names the points of answers in words, which no check can give."""
+    lines = repr(notebook.Progress({"04.1": "right", "13.5": "exception"})).splitlines()
+    headings = [line for line in lines if line.startswith("Notebook")]
+    assert headings == ["Notebook 04", "Notebook 13", "Notebook 13, optional"]
+    sums = [line for line in lines if " points" in line]
+    points = {
+        number: sum(q.points for q in questions().values() if q.notebook == number)
+        for number in ("04", "13")
+    }
+    assert sums[0].startswith(f"2 of {points['04']} points for functions; 7 more for answers in")
+    assert sums[1].startswith(f"0 of {points['13'] - 2} points for functions; 9 more")
+    assert sums[2] == "0 of 2 points"
+    assert any(line.endswith("✗ stops with an error") for line in lines)
+
+
 @pytest.mark.slow
 def test_a_wrong_answer_is_drawn_beside_the_right_one(first_notebook):
     """A right answer gets no picture."""
@@ -576,14 +629,27 @@ def test_a_failed_case_of_own_inputs_has_no_right_values():
 @pytest.mark.usefixtures("first_notebook")
 def test_a_failed_case_is_forgotten_when_the_answer_is_right(monkeypatch):
     monkeypatch.setattr(notebook, "_failed", {})
-    with pytest.raises(ValueError, match="no check of a question has failed"):
+    with pytest.raises(ValueError, match="the last check has not failed"):
         fieldcheck.case()
     fieldcheck.check("01.2", {"fit": lambda *_: 1 / 0})
     assert "ZeroDivisionError" in repr(fieldcheck.case("01.2"))
     right = {"fit": lambda p, v: np.linalg.lstsq(np.insert(p, 0, 1, axis=1), v, rcond=None)[0]}
     assert fieldcheck.check("01.2", right).right
-    with pytest.raises(ValueError, match=r"no check of 01\.2 has failed"):
+    with pytest.raises(ValueError, match=r"the last check of 01\.2 has not failed"):
         fieldcheck.case("01.2")
+    fieldcheck.check("01.3", {"evaluate": lambda *_: 1 / 0})
+    assert fieldcheck.check("01.2", right).right
+    with pytest.raises(ValueError, match="the last check has not failed"):
+        fieldcheck.case()
+    assert "01.3" in repr(fieldcheck.case("01.3"))
+
+
+def test_a_whole_number_is_shown_as_one():
+    """A rank is 4, not ``4.``."""
+    answer = Outcome("returned", values=(np.array(3.0),))
+    shown = repr(FailedCase(get("01.4"), CALLS[0], answer, (np.array(4.0),)))
+    assert "a number: 3\n" in shown
+    assert shown.endswith("a number: 4")
 
 
 def test_start_over_prints_the_stub_outside_a_notebook(capsys):

@@ -268,6 +268,13 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
                 (random.normal(size=4), random.normal(size=(71, 3))),
                 "71 evaluation points in space",
             ),
+            *(
+                ((random.normal(size=d + 1), 1e4 * random.normal(size=(3, d))), case)
+                for d, case in (
+                    (2, "evaluation points in the plane, about 10⁴ away"),
+                    (3, "evaluation points in space, about 10⁴ away"),
+                )
+            ),
         )
     )
 
@@ -296,6 +303,17 @@ def from_end_to_end(random: np.random.Generator, n: int, d: int) -> np.ndarray:
     return np.append(ends, random.random((n - 2, d)), axis=0)
 
 
+def many(random: np.random.Generator, d: int) -> np.ndarray:
+    """Return 400 points 2⁻³³ beside a line or plane.
+
+    The least singular value is 2.3·10⁻⁹. The largest is 5 or 6, so it is not the unit.
+    """
+    points = random.random((400, d))
+    points[0], points[1] = 0, 1
+    points[:, -1] = np.resize([2.0**-33, -(2.0**-33)], 400)
+    return points
+
+
 def rank_inputs(seed: int) -> tuple[Call, ...]:
     """Return points of each rank, far from the origin, nearly on a line, and in another unit."""
     random = np.random.default_rng(seed)
@@ -319,8 +337,8 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
         (random.random((9, 3)) * [1, 1, 1e-8], "nine points in a layer of thickness 10⁻⁸"),
         (random.random((8, 2)) * [1, 1e-12], "eight points within 10⁻¹² of a line"),
         (random.random((9, 3)) * [1, 1, 1e-12], "nine points within 10⁻¹² of a plane"),
-        (random.random((8, 2)) * [1e-12, 1], "eight points within 10⁻¹² of an upright line"),
-        (random.random((9, 3)) * [1e-12, 1, 1], "nine points within 10⁻¹² of an upright plane"),
+        (random.random((8, 2)) * [1e-12, 1], "eight points within 10⁻¹² of a vertical line"),
+        (random.random((9, 3)) * [1e-12, 1, 1], "nine points within 10⁻¹² of a vertical plane"),
         (1e-9 * random.random((7, 2)), "seven points in a square of 10⁻⁹"),
         (1e-9 * random.random((8, 3)), "eight points in a cube of 10⁻⁹"),
         ([2e6, -3e5, 1e6] + random.random((9, 3)) * [1, 1, 1e-5], "a layer, 10⁶ away"),
@@ -336,6 +354,8 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
             (random.random((12, 2)) * [1e3, 2e-4]) @ [[0.28, -0.96], [0.96, 0.28]],
             "twelve points in a long oblique strip",
         ),
+        (many(random, 2), "four hundred points beside a line"),
+        (many(random, 3), "four hundred points beside a plane"),
     )
     exact = (
         (line[0] + along * line[1], "nine points on one line"),
@@ -365,8 +385,17 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
             np.append(random.random((40, 2)) @ layer[:2], layer[:1] + np.array([0, 0, 2]), axis=0),
             "forty points in one plane of space, and one point off the plane",
         ),
+        *(
+            (
+                size * p[[*first, *range(2, 7), *last]],
+                f"nine points in a {box} of {words}, {which} two at one point",
+            )
+            for first, last, which in (((0, 0), (7, 8), "the first"), ((0, 1), (8, 8), "the last"))
+            for size, words in ((1e-12, "10⁻¹²"), (1e12, "10¹²"))
+            for p, box in ((layer[1:], "cube"), (random.random((9, 2)), "square"))
+        ),
         (plane[:2] * [0, 1] + [0.3, 0], "two points of the plane, one above the other"),
-        (space[:3] * [0, 1, 1] + [0.3, 0, 0], "three points of an upright plane"),
+        (space[:3] * [0, 1, 1] + [0.3, 0, 0], "three points of a vertical plane"),
         (whole(random, 7, 2), "seven points of the plane, integers"),
         (
             np.array([3, 1, -2]) + np.outer([0, 2, 3, 7, 9, 13], random.integers(1, 6, 3)),

@@ -70,6 +70,13 @@ def far_away(random: np.random.Generator, *points: np.ndarray) -> tuple[np.ndarr
     return tuple(p + shift for p in points)
 
 
+def flat(points: np.ndarray) -> np.ndarray:
+    """Return points of the plane moved close to a line, or points of space close to a plane."""
+    others, last = points[:, :-1], points[:, -1]
+    slopes = np.array([0.6, -0.4])[: others.shape[1]]
+    return np.column_stack([others, 0.3 + others @ slopes + last / 100])
+
+
 def two_groups(points: np.ndarray, first: int) -> np.ndarray:
     """Return points of size one, those after the first few far away from the others."""
     return points + np.where(np.arange(len(points)) < first, 0.0, FAR)[:, None]
@@ -275,6 +282,22 @@ def many_or_rescaled_fits(random: np.random.Generator) -> tuple[Call, ...]:
             for p, case in (
                 (plane[few], "twelve points, one weight two thousand times the others"),
                 (space[other], "fifteen points, one weight two thousand times the others"),
+            )
+        ),
+        *(
+            (
+                (
+                    np.append(flat(p[: d + 2]), p[d + 2 :], axis=0),
+                    random.normal(size=len(p)),
+                    np.where(np.arange(len(p)) < d + 2, 1, light) * random.uniform(0.5, 1, len(p)),
+                ),
+                case,
+            )
+            for d, p, light, case in (
+                (2, plane[few], 4e-4, "four large weights near a line, eight small ones"),
+                (3, space[other], 4e-4, "five large weights near a plane, ten small ones"),
+                (2, plane[12:24], 2e-4, "four large weights near a line, eight smaller ones"),
+                (3, space[15:30], 2e-4, "five large weights near a plane, ten smaller ones"),
             )
         ),
     )

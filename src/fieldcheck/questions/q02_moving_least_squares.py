@@ -14,6 +14,7 @@ from fieldcheck.questions.q02_local_fit import (
     affine,
     condition,
     corners,
+    flat,
     other_coordinates,
     other_values,
     rounding,
@@ -91,6 +92,7 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
             (p[:9], v[:9], random.random((69, 2)) - 0.4, 0.3),
             "sixty-nine evaluation points in the plane",
         ),
+        *evaluations_near_a_group("field", random),
     )
 
 
@@ -150,6 +152,31 @@ def near_one_point(random: np.random.Generator) -> tuple[Call, ...]:
                 f"evaluation points {words} within 0.0004 of one point, and ε = 0.0001",
             )
         )
+    return tuple(calls)
+
+
+NEAR = 0.02
+"""The size of a group of points whose weights are a thousand times those of the others."""
+
+
+def near_and_far(random: np.random.Generator, d: int) -> np.ndarray:
+    """Return a few points close to the origin, near a line or a plane, and others far away.
+
+    The far points have small weights at the origin, but only they determine one of the slopes.
+    """
+    near = NEAR * flat(random.uniform(-1, 1, (d + 2, d)))
+    far = random.uniform(0.8, 1, (4 * d, 1)) * unit_vectors(random, 4 * d, d)
+    return np.append(near, far, axis=0)
+
+
+def evaluations_near_a_group(name: str, random: np.random.Generator) -> tuple[Call, ...]:
+    """Return evaluation points beside a group of points near a line or a plane."""
+    calls: list[Call] = []
+    for d, words in ((2, "four points near a line"), (3, "five points near a plane")):
+        points, x = near_and_far(random, d), NEAR * random.uniform(-1, 1, (3, d))
+        x[:, -1] -= NEAR
+        given = points, random.normal(size=len(points)), x, NEAR
+        calls.append(Call(name, given, f"evaluation points close to {words}, and ε = {NEAR}"))
     return tuple(calls)
 
 
@@ -238,6 +265,7 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
             (random.random((12, 1)), v[:12], random.random((69, 1)), 0.4),
             "sixty-nine evaluation points on a line",
         ),
+        *evaluations_near_a_group("gradient", random),
     )
 
 

@@ -17,7 +17,13 @@ from fieldcheck.questions.q02_local_fit import (
     rounding,
     twice,
 )
-from fieldcheck.questions.q02_moving_least_squares import LOCAL, local_rounding, spread_of_weights
+from fieldcheck.questions.q02_moving_least_squares import (
+    LOCAL,
+    NEAR,
+    local_rounding,
+    near_and_far,
+    spread_of_weights,
+)
 from fieldcheck.variants import one_changed
 
 # 02.8 Least squares against moving least squares
@@ -81,7 +87,8 @@ def many_or_rescaled_errors(random: np.random.Generator) -> tuple[Call, ...]:
 
 
 @law(
-    "In a square twice as large (x₁ + x₂)² is four times as large, so both errors must be, too.",
+    "In a square twice as large, with twice the ε, (x₁ + x₂)² is four times as large, so both "
+    "errors must be, too.",
     LOCAL,
 )
 def grows_with_the_field(calls: Sequence[Call], values: Sequence[Values]) -> float:
@@ -131,6 +138,13 @@ def leave_one_out_inputs(seed: int) -> tuple[Call, ...]:
             )
         ),
         *many_or_small_epsilon(random),
+        *(
+            Call("leave_one_out", (points, random.normal(size=len(points)), NEAR), case)
+            for points, case in (
+                (near_and_far(random, 2), "four points close together near a line, eight others"),
+                (near_and_far(random, 3), "five points close together near a plane, twelve others"),
+            )
+        ),
     )
 
 

@@ -14,6 +14,7 @@ from fieldcheck.questions.q03_radial_basis_functions import (
     cloud,
     extent,
     one_at_the_origin,
+    squares,
     with_zeros,
 )
 from fieldcheck.variants import one_changed
@@ -50,7 +51,47 @@ def inertia_inputs(seed: int) -> tuple[Call, ...]:
         *(Call("inertia", (points,), case) for points, case in cases),
         *(Call("inertia", (points,), case, exact=(0,)) for points, case in exact),
         *few_or_many(random),
+        *nearly_flat(random),
+        *nearly_twice(random),
     )
+
+
+def nearly_flat(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return points on both sides of a line or a plane, nearer and farther than `FLAT` allows.
+
+    The least eigenvalue is proportional to the square of the distance: 10⁻¹³ to 4 · 10⁻¹³ times
+    the largest one for the nearer points, and 4 · 10⁻¹² to 2 · 10⁻¹¹ times for the others.
+    """
+    grid = np.argwhere(np.ones((3, 3)))
+    line = np.stack([np.arange(9) / 8, (-1.0) ** np.arange(9)], axis=1)
+    plane = np.column_stack([grid / 2, (-1.0) ** grid.sum(axis=1)])
+    cases = (
+        (line, 3e-8, "nine points at 3 · 10⁻⁸ from a line"),
+        (line, 2.4e-7, "nine points at 2.4 · 10⁻⁷ from a line"),
+        (plane, 1.2e-7, "nine points at 1.2 · 10⁻⁷ from a plane"),
+        (plane, 7e-7, "nine points at 7 · 10⁻⁷ from a plane"),
+    )
+    calls = []
+    for points, height, case in cases:
+        points = random.permutation(points + random.uniform(-0.05, 0.05, points.shape))
+        points[:, -1] *= height
+        calls.append(Call("inertia", (points,), case))
+    return tuple(calls)
+
+
+def nearly_twice(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return many points and a copy of one of them, closer than the tolerance of the text allows.
+
+    The eigenvalue of the pair is 0.6 · 10⁻¹² times the largest absolute value, which belongs to a
+    negative eigenvalue, and 1.9 · 10⁻¹² times the largest eigenvalue.
+    """
+    calls = []
+    for k, words in ((7, "another"), (23, "yet another")):
+        points = 0.5 * cloud(random, 100, 2)
+        copy = points[k] + 7.5e-7 * np.array([0.6, -0.8])
+        case = f"a hundred points, and {words} at 7.5 · 10⁻⁷ from one of them"
+        calls.append(Call("inertia", (np.append(points, [copy], axis=0),), case, exact=(0,)))
+    return tuple(calls)
 
 
 def few_or_many(random: np.random.Generator) -> tuple[Call, ...]:
@@ -102,16 +143,29 @@ def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -
     return float(max(lacking))
 
 
+FLAT = 6e-7
+"""Singular values of points that affect an eigenvalue by more than the tolerance of the text."""
+
+
+SAME = 1e-5
+"""The distance below which two points count as one, in units of the extent of all points."""
+
+
 @law_of_each(
-    "There must be one zero eigenvalue for each independent affine field that vanishes at all "
-    "points, and one for each point that occurs a second time."
+    "One eigenvalue must count as zero for each independent affine field that vanishes at all "
+    "points, and one for each point that occurs a second time, nearly or exactly."
 )
 def is_singular_where_it_must(call: Call, values: Values) -> float:
-    """Return the difference between the number of zeros and the dimension of the null space."""
+    """Return the difference between the number of zeros and the dimension of the null space.
+
+    Eigenvalues that the text counts as zero belong to it. They decrease with the square of the
+    distance from a line or a plane, and are far from the tolerance in all cases.
+    """
     (counts,) = values
     (points,) = call.arguments
-    repeated = len(points) - len(np.unique(points, axis=0))
-    flat = points.shape[1] - np.linalg.matrix_rank(points - points[0], tol=1e-9)
+    near = squares(points, points) <= (SAME * extent(points)) ** 2
+    repeated = np.count_nonzero(np.tril(near, -1).any(axis=1))
+    flat = points.shape[1] - np.linalg.matrix_rank(points - points[0], tol=FLAT)
     return abs(float(counts[2]) - repeated - flat)
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q03_radial_basis_functions import (
     TINY,
@@ -137,7 +137,8 @@ def evaluate_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-UNIT = 1e-3
+LENGTHS = ((1e-3, "a thousandth", "a tenth"), (1e-9, "a billionth", "a ten-millionth"))
+"""A factor of all lengths in words, for points of size one and of size a hundred."""
 
 
 def gradient_inputs(seed: int) -> tuple[Call, ...]:
@@ -148,9 +149,10 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
     scaled, raised = [], []
     for call in calls:
         points, lam, c, x = call.arguments
-        for unit, name in ((UNIT, "a thousandth"), (UNIT**3, "a billionth")):
+        for unit, of_one, of_hundred in LENGTHS:
             slopes = np.append(c[:1], c[1:] / unit)
-            case = f"{call.case}, all lengths {name}"
+            plain, comma, _ = call.case.partition(", integers")
+            case = f"{plain}, all lengths about {of_hundred if comma else of_one}"
             scaled.append(
                 Call("gradient", (unit * points, lam / unit**2, slopes, unit * x), case, (0, 3))
             )
@@ -163,19 +165,43 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
         *raised,
         *single_evaluations("gradient", seed),
         *many_or_far("gradient", seed),
+        *small_and_far(seed),
     )
+
+
+def small_and_far(seed: int) -> tuple[Call, ...]:
+    """Return centres of extent 0.01 at a distance of four million, all in short binary numbers.
+
+    Differences of points are exact, but a sum over the centres alone loses their digits.
+    """
+    random = np.random.default_rng(seed + 3)
+    calls = []
+    for n, d, words in ((7, 2, "in the plane"), (8, 3, "in space")):
+        away = 2.0**22 * random.choice([-1, 1], d)
+        points, x = (
+            in_short_binary_numbers(0.01 * p) + away
+            for p in (cloud(random, n, d), random.random((4, d)))
+        )
+        given = points, random.normal(size=n), random.normal(size=d + 1), x
+        case = f"{n} centres {words}, within 0.01 of each other and four million away"
+        calls.append(Call("gradient", given, case, exact=(0, 3)))
+    return tuple(calls)
 
 
 @law("For a small step the change of the field must be the gradient times the step.", 1e-5)
 def agrees_with_central_differences(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the largest difference between the gradient and central differences."""
+    """Return the largest difference between the gradient and central differences.
+
+    Coordinates count from the first centre, since far from the origin a small step loses digits.
+    """
     worst = 0.0
     for call, (g,) in zip(calls, values, strict=True):
         points, lam, c, x = call.arguments
         n, d = x.shape
         h = 1e-5 * extent(points if len(points) > 1 else x)
         steps = h * np.stack([np.eye(d), -np.eye(d)])[:, :, None]
-        ahead, behind = field(points, lam, c, (x + steps).reshape(-1, d)).reshape(2, d, n)
+        y = (x - points[0] + steps).reshape(-1, d)
+        ahead, behind = field(points - points[0], lam, c, y).reshape(2, d, n)
         worst = max(worst, relative(g.T - (ahead - behind) / (2 * h), g))
     return worst
 

@@ -150,11 +150,15 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
             nearly_towards(random, nine, 1e-10),
             "nine normals within 10⁻¹⁰ of meeting, in a square of 10⁵",
         ),
-        (points * [1, 1e-12], directions(random, 8), "eight samples within 10⁻¹² of a level line"),
+        (
+            points * [1, 1e-12],
+            directions(random, 8),
+            "eight samples within 10⁻¹² of a horizontal line",
+        ),
         (
             1e3 * points * [1e-12, 1],
             directions(random, 8),
-            "eight samples, very nearly on an upright line",
+            "eight samples, very nearly on a vertical line",
         ),
         (
             cloud(random, 12, 2),
@@ -170,8 +174,8 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
         (nine, nearly_towards(random, nine, 4e-7), "nine normals within 10⁻⁶ of meeting"),
     )
     constructed = (
-        (points * [0, 1] + [0.3, 0], directions(random, 8), "eight samples on an upright line"),
-        (points * [1, 0] - [0, 0.2], directions(random, 8), "eight samples on a level line"),
+        (points * [0, 1] + [0.3, 0], directions(random, 8), "eight samples on a vertical line"),
+        (points * [1, 0] - [0, 0.2], directions(random, 8), "eight samples on a horizontal line"),
         (points, parallel_except(random, 8, ()), "eight samples with parallel normals"),
         (points, parallel_except(random, 8, (2, 5)), "parallel normals but for two of eight"),
         (points, towards(points, np.array([0.47, 0.52])), "eight normals through one point"),
@@ -182,7 +186,7 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
         ),
         (points[:3], parallel_except(random, 3, ()), "three samples with parallel normals"),
         (points[:5], parallel_except(random, 5, ()), "five samples with parallel normals"),
-        (points[:4] * [0, 1], directions(random, 4), "four samples on an upright line"),
+        (points[:4] * [0, 1], directions(random, 4), "four samples on a vertical line"),
         (points.repeat(2, axis=0)[:8], directions(random, 8), "two samples at each of four points"),
         (
             nine[[0, 0, 0, 1, 2, 3, 4]],
@@ -210,6 +214,16 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
             sphere(random, 14),
             "fourteen samples in space, first and last at one point",
         ),
+        *(
+            (
+                size * nine[[*first, 2, 3, 4, 5, 6, *last]],
+                normals if full else parallel_except(random, 9, (2, 5)),
+                f"nine samples in a square of {words}, {which} two at one point",
+            )
+            for normals in (directions(random, 9),)
+            for size, words, full in ((1e-10, "10⁻¹⁰", True), (1e10, "10¹⁰", False))
+            for first, last, which in (((0, 0), (7, 8), "the first"), ((0, 1), (8, 8), "the last"))
+        ),
     )
     return (
         *(Call("velocity_rank", (p, n), case) for p, n, case in general),
@@ -220,7 +234,7 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
 RANKS = (
     *(6, 5, 6, 6, 6, 12, 12, 6, 6, 12, 5, 5, 4, 4, 6, 6, 6, 6),
     *(4, 4, 3, 5, 5, 8, 3, 3, 4, 6, 6, 6, 12),
-    *(6, 12, 6, 6, 6, 12),
+    *(6, 12, 6, 6, 6, 12, 6, 6, 5, 5),
 )
 
 
@@ -288,11 +302,11 @@ def tangent_inputs(seed: int) -> tuple[Call, ...]:
         ),
         (
             (nine, two_directions(random, 9, (2, 6), 0).astype(int)),
-            "level normals of integers but for two of nine",
+            "horizontal normals of integers but for two of nine",
         ),
         (
             (twelve, two_directions(random, 12, (4, 7), 0)[:, ::-1].astype(int)),
-            "upright normals of integers but for two of twelve",
+            "vertical normals of integers but for two of twelve",
         ),
         ((integers(nine[:5], 30), directions(random, 5)), "five samples, integers"),
         ((integers(twelve[:5], 30), directions(random, 5)), "five other samples, integers"),
@@ -303,6 +317,8 @@ def tangent_inputs(seed: int) -> tuple[Call, ...]:
             )
             for n, number in ((43, "forty-three"), (67, "sixty-seven"))
         ),
+        ((nine + 1e3, towards(nine, place)), "nine normals through one point, 10³ away"),
+        ((twelve - 1e3, towards(twelve, place)), "twelve normals through one point, 10³ away"),
     )
 
 
@@ -311,7 +327,10 @@ def across(vectors: np.ndarray) -> np.ndarray:
     return vectors[:, ::-1] * [-1, 1]
 
 
-@law_of_each("The flow must not be zero, and its normal velocity must be zero at each sample.")
+@law_of_each(
+    "The flow must not be zero, and its normal velocity must be zero at each sample.",
+    amount="B'c has an entry of {:.2g} times the largest coefficient",
+)
 def is_tangent(call: Call, values: Values) -> float:
     """Return the largest normal velocity relative to the size of the coefficients."""
     (c,) = values
@@ -344,6 +363,8 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((five - [1.1, 3.0], 100 * flow(random)), "a fast flow"),
         ((seven - [1.1, 0.0], 1e-18 * flow(random)), "a very slow flow"),
         ((five - 0.5, 1e-8 * np.append(up, np.zeros(4))), "a slow constant flow"),
+        ((five, np.array([1e-12, 0, 0, 0, 0, 0])), "a very slow flow along the first axis"),
+        ((five, np.array([0, -1e-13, 0, 0, 0, 0])), "a very slow flow along the second axis"),
         ((five, np.array([2.0, 0, 0, 0, 0, 0])), "a constant flow along the first axis"),
         ((seven, np.array([-0.5, 0, 0, 0, -1.5, 0])), "a shear flow along the first axis"),
         ((five, np.array([0, -3.0, 0, 0, 0, 0])), "a constant flow along the second axis"),

@@ -33,6 +33,8 @@ BEYOND_ZERO = 9e-9
 """An angle whose half is a product n · m above the tolerance of the text, and which is below 10⁻⁸,
 the tolerance of ``np.isclose``.
 """
+WITHIN_ZERO = 5e-10
+"""An angle whose products n · m are below the tolerance of the text, but not a tenth of it."""
 
 
 def obvious_inputs(seed: int) -> tuple[Call, ...]:
@@ -94,8 +96,12 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
             directions(random, 9),
             "the first five on a line",
         ),
-        (spread, two_directions(random, 7, (1, 2, 3, 4, 6), 0), "two level normals, five upright"),
-        (spread, two_directions(random, 7, (0, 1, 3, 5, 6), 0), "two other level normals"),
+        (
+            spread,
+            two_directions(random, 7, (1, 2, 3, 4, 6), 0),
+            "two horizontal normals, five vertical ones",
+        ),
+        (spread, two_directions(random, 7, (0, 1, 3, 5, 6), 0), "two other horizontal normals"),
         (
             spread,
             mirrored_directions(random, 7, (1, 3, 5), 0.7),
@@ -104,7 +110,7 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
         (spread, mirrored_directions(random, 7, (0, 1, 2), 1.1), "two other mirrored directions"),
         *(
             (spread, nearly_parallel(random, 7, (2, 5), angle), f"{which} normals up to 10⁻¹¹")
-            for angle, which in ((0.0, "level"), (0.5 * np.pi, "upright"), (2.0, "parallel"))
+            for angle, which in ((0.0, "horizontal"), (0.5 * np.pi, "vertical"), (2.0, "parallel"))
         ),
         (
             two_bow_ties(random),
@@ -125,17 +131,17 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
         spread[0],
     )
     constructed = (
-        (upright, directions(random, 6), "five points on an upright line and one off it"),
-        (level, directions(random, 6), "five points on a level line and one off it"),
+        (upright, directions(random, 6), "five points on a vertical line and one off it"),
+        (level, directions(random, 6), "five points on a horizontal line and one off it"),
         (
             three_upright,
             parallel_except(random, 7, (0, 1, 2)),
-            "parallel normals but for three on an upright line",
+            "parallel normals but for three on a vertical line",
         ),
         (
             three_level,
             parallel_except(random, 7, (0, 1, 2)),
-            "parallel normals but for three on a level line",
+            "parallel normals but for three on a horizontal line",
         ),
         (
             points[[0, *range(7)]],
@@ -177,7 +183,7 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
         (
             spread,
             two_directions(random, 7, (0, 6), 0).astype(int),
-            "normals of integers along the axes, only two of them upright",
+            "normals of integers along the axes, only two of them vertical",
         ),
         *(
             (
@@ -199,6 +205,18 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
             parallel_except(random, 7, (0, 1, 2)),
             "parallel normals but for three in a square of 10⁻⁶",
         ),
+        *(
+            (spread, slightly_rotated(random, others, WITHIN_ZERO), f"{which} at 5 · 10⁻¹⁰")
+            for others, which in (((0, 1, 2), "three normals"), ((3, 4, 5), "three other normals"))
+        ),
+        *(
+            (
+                np.append(beside_a_line(random, 3, 1e-5), spread[:n], axis=0),
+                slightly_rotated(random, (0, 1, 2), 1e-5)[: n + 3],
+                f"{n} parallel normals and three at 10⁻⁵, these 10⁻⁵ from a line",
+            )
+            for n in (3, 4)
+        ),
     )
     return (
         *(Call("obvious", (p, n), case) for p, n, case in cases),
@@ -210,14 +228,14 @@ HOLDS = (
     *(1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 1, 0, 0, 1),
     *(0, 1, 0, 1, 1, 1, 1, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1, 1),
     *(0, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 0, 1, 1),
-    *(0, 0, 1, 1),
+    *(0, 0, 1, 1, 0, 0, 1, 1),
 )
 
 
-def beside_a_line(random: np.random.Generator, n: int) -> np.ndarray:
-    """Return points at distances of up to 10⁻¹¹ from a line."""
+def beside_a_line(random: np.random.Generator, n: int, most: float = 1e-11) -> np.ndarray:
+    """Return points at distances of up to 10⁻¹¹ or more from a line, on both sides."""
     along = directions(random, 1)[0]
-    across = 1e-11 * random.choice([-1, 1], n) * random.uniform(0.5, 1, n)
+    across = most * random.choice([-1, 1], n) * random.uniform(0.5, 1, n)
     return np.outer(np.arange(n) + random.random(n) / 2, along) + np.outer(
         across, [-along[1], along[0]]
     )
@@ -263,7 +281,10 @@ def in_triangle(points: np.ndarray) -> np.ndarray:
     return spread
 
 
-@law("The answer must be True if and only if (4.5) holds.")
+@law(
+    "The answer must be True if and only if (4.5) holds, where products n · m and distances from a "
+    "line count as zero if they are below 10⁻⁹."
+)
 def is_as_constructed(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return one if the judgement on a case differs from its construction."""
     return max(abs(float(v) - h) for (v,), h in zip(values, HOLDS, strict=True))
@@ -283,7 +304,7 @@ def star_inputs(seed: int) -> tuple[Call, ...]:
 
     for k, center, case in (
         (5, (0.1, -0.2), "five triangles"),
-        (3, (0, 0), "three triangles"),
+        (3, (0, 0), "three triangles around the origin"),
         (6, (4, 7), "six triangles"),
         (7, (-0.3, 0.5), "seven triangles"),
         (9, (1, 2), "nine triangles"),
@@ -347,6 +368,7 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
     grid = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [-1, 0], [-1, -1], [0, -1]])
     bent = np.column_stack([circle[:, 0], circle[:, 1] + 3e-6 * circle[:, 0] ** 3])
     even = 2 * np.pi * (np.arange(9) + random.uniform(-0.1, 0.1, 9)) / 9
+    near = np.column_stack([np.cos(even), np.sin(even) + 1e-7 * np.cos(even) ** 3])
     almost = np.column_stack([np.cos(even), np.sin(even) + 1e-9 * np.cos(even) ** 3])
     oblique = np.column_stack([np.cos(even), np.sin(even) + 2e-9 * np.cos(even) ** 3]).dot(shear)
     general = (
@@ -362,6 +384,8 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
         (bent.dot(shear), "nine points close to an ellipse"),
         (almost, "nine points within 10⁻⁹ of a circle"),
         (oblique, "nine points within 2·10⁻⁹ of an ellipse"),
+        (near, "nine points within 10⁻⁷ of a circle"),
+        (near.dot(shear), "nine points within 10⁻⁷ of an ellipse"),
     )
     constructed = (
         (in_pairs, "nine points on a circle"),
@@ -395,7 +419,7 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
 
 
 CONIC_RANKS = (
-    *(6, 5, 6, 6, 6, 6, 6, 6, 6, 6, 5, 5),
+    *(6, 5, 6, 6, 6, 6, 6, 6, 6, 6, 5, 5, 6, 6),
     *(5, 5, 5, 5, 3, 6, 6, 6, 6, 3, 5, 5, 5, 3, 3, 4, 6, 5, 6, 6),
 )
 

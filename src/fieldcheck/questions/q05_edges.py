@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q04_rank_of_normals import along_axes
 
@@ -16,11 +16,6 @@ AWAY = 2.0**20
 
 ACROSS = np.array([0.62, 0.78])
 """A direction to which no edge of a random mesh is parallel."""
-
-
-def in_short_binary_numbers(x: np.ndarray) -> np.ndarray:
-    """Return numbers rounded to 24 binary digits after the point: they stay exact far away."""
-    return np.round(x * 2.0**24) / 2.0**24
 
 
 def mesh(random: np.random.Generator, columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
@@ -228,8 +223,8 @@ def rotation_inputs(seed: int) -> tuple[Call, ...]:
         ((integers(cloud),), "seven points, integers"),
         ((cloud[:1],), "one point"),
         ((integers(cloud[1:2]),), "one point, integers"),
-        ((crossing_lines(random, 3),), "five points on a level and an upright line"),
-        ((crossing_lines(random, 4),), "seven points on a level and an upright line"),
+        ((crossing_lines(random, 3),), "five points on a horizontal and a vertical line"),
+        ((crossing_lines(random, 4),), "seven points on a horizontal and a vertical line"),
         ((two,), "two points"),
         ((integers(two),), "two points, integers"),
         *(
@@ -237,6 +232,10 @@ def rotation_inputs(seed: int) -> tuple[Call, ...]:
             for size, words in ((1e-9, "10⁻⁹"), (1e-5, "10⁻⁵"), (1e5, "10⁵"), (1e9, "10⁹"))
         ),
         ((random.random((67, 2)),), "sixty-seven points"),
+        *(
+            ((cloud[[0, 1, 2, 3, *twice]],), f"{words} points, the last of them at one point")
+            for twice, words in (((4, 4), "six"), ((5, 5, 5), "seven"))
+        ),
     )
 
 
@@ -296,6 +295,8 @@ def normal_velocities_inputs(seed: int) -> tuple[Call, ...]:
             ((edges, normals, size * u), f"velocities of the size {words}")
             for size, words in ((1e-5, "10⁻⁵"), (1e-9, "10⁻⁹"), (1e5, "10⁵"), (1e9, "10⁹"))
         ),
+        ((edges + 3, normals, u[np.arange(-3, len(u))]), "no edge of the first three vertices"),
+        ((edges + 1, normals, u[np.arange(-1, len(u))]), "no edge of the first vertex"),
         ((edges, normals, uneven * u), "velocities of sizes from 10⁻⁶ to 1"),
         ((edges, normals, uneven[::-1] * u), "other velocities of sizes from 10⁻⁶ to 1"),
         (

@@ -41,13 +41,30 @@ def ring_inputs(seed: int) -> tuple[Call, ...]:
                 ((6, 1, 0, 2, 3), 6, 2, "two rings at the end of a strip"),
                 ((6, 3, 0, 1, 2), 6, 2, "two rings at the end of another strip"),
                 ((6, 2, 0, 3, 1), 8, 3, "three rings at the end of a strip"),
+                ((6, 2, 0, 3, 1), 10, 4, "four rings at the end of a strip"),
+                ((6, 1, 0, 2, 3), 13, 5, "five rings at the end of a strip"),
                 ((0, 4, 2, 3, 1), 6, 2, "two rings of vertex 0"),
                 ((4, 113, 1013, 5, 13), 6, 1, "one ring, one vertex number beyond 1000"),
                 ((34, 143, 1043, 35, 43), 8, 2, "two rings, one vertex number beyond 1000"),
             )
             for first, cells in [(numbers[0], strip(random, numbers, n))]
         ),
+        *(
+            ((cells, sides(cells, random), first, 2), f"two rings, {where} an edge outside")
+            for where in ("and", "and again")
+            for first, cells in [with_an_edge_outside(random)]
+        ),
     )
+
+
+def with_an_edge_outside(random: np.random.Generator) -> tuple[int, np.ndarray]:
+    """Return a vertex and five triangles.
+
+    The last triangle is not in two rings of the vertex, though its corners are in others that are.
+    """
+    cells = np.array([[0, 1, 2], [1, 2, 3], [1, 3, 4], [1, 4, 5], [3, 4, 5]])
+    numbers = random.permutation(6)
+    return int(numbers[0]), random.permuted(random.permutation(numbers[cells]), axis=1)
 
 
 def strip(random: np.random.Generator, numbers: Sequence[int], n: int) -> np.ndarray:
@@ -192,6 +209,12 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
         ((1e3 * p, n, v, 1e3 * x, w), "the first edges, all lengths times a thousand"),
         ((p, n, v, x, uneven), "the first edges, one weight far above the others"),
         ((p, n, v, x, uneven[::-1]), "the first edges, another weight far above the others"),
+        ((p, n, v, x, np.geomspace(1, 3e-4, 12)), "the first edges, weights from 0.0003 to 1"),
+        ((p, n, v, x, np.geomspace(3e-4, 1, 12)), "the first edges, weights from 1 to 0.0003"),
+        *(
+            ((size * p, n, v, size * x, w), f"the first edges, all lengths times {words}")
+            for size, words in ((1e-8, "10⁻⁸"), (1e-6, "10⁻⁶"), (1e6, "10⁶"))
+        ),
         *(
             ((p, n, random.normal(size=few), x, random.uniform(0.4, 2.5, few)), case)
             for few, case in (
@@ -208,6 +231,10 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
             ((p, n, size * v, x, w), f"the first edges, velocities of the size {words}")
             for size, words in ((1e-5, "10⁻⁵"), (1e-9, "10⁻⁹"), (1e5, "10⁵"), (1e9, "10⁹"))
         ),
+        *(
+            ((p, n, v, x, size * w), f"the first edges, all weights times {words}")
+            for size, words in ((1e-10, "10⁻¹⁰"), (1e-12, "10⁻¹²"), (1e9, "10⁹"))
+        ),
         ((integers(p, 10), n, v, integers(x, 10), w), "midpoints and vertex of integers"),
         (
             (p, along_axes(random, 12, 2), integers(v), x, random.integers(1, 5, 12)),
@@ -215,20 +242,23 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
         ),
         ((p, n, integers(v), x, random.integers(1, 5, 12)), "velocities and weights of integers"),
         ((p, n, 0 * v, x, w), "no flow"),
-        (level_with_the_vertex(random), "four edges, all level with the vertex"),
+        *(
+            (level_with_the_vertex(random, number), f"{words} edges, all level with the vertex")
+            for number, words in ((4, "four"), (8, "eight"), (6, "six"))
+        ),
     )
 
 
-def level_with_the_vertex(random: np.random.Generator) -> tuple[np.ndarray, ...]:
-    """Return four edges whose equations do not contain the slopes along the second axis.
+def level_with_the_vertex(random: np.random.Generator, number: int) -> tuple[np.ndarray, ...]:
+    """Return edges whose equations do not contain the slopes along the second axis.
 
     So the matrix of the normal equations has rows of zeros, and is singular without rounding.
     """
     x = random.uniform(1, 2, 2) * [1, 0]
-    along = np.array([-1.0, -0.4, 0.3, 1.0]) + random.uniform(-0.1, 0.1, 4)
-    p = np.column_stack([x[0] + along, np.zeros(4)])
-    angles = np.array([0.3, 1.9, 0.3, 1.9]) + random.uniform(-0.2, 0.2, 4)
-    return p, directions(angles), random.normal(size=4), x, random.uniform(0.4, 2.5, 4)
+    along = np.linspace(-1, 1, number) + random.uniform(-0.1, 0.1, number)
+    p = np.column_stack([x[0] + along, np.zeros(number)])
+    angles = np.resize([0.3, 1.9], number) + random.uniform(-0.2, 0.2, number)
+    return p, directions(angles), random.normal(size=number), x, random.uniform(0.4, 2.5, number)
 
 
 @law(
@@ -246,7 +276,10 @@ def moves_along(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[2][0] - values[0][0], np.abs(values[0][0]).max() + 1)
 
 
-@law("Another unit of length must not change the velocity.", FITTED)
+@law(
+    "If the six unknowns are determined, another unit of length must not change the velocity.",
+    FITTED,
+)
 def unit_of_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
     return max(
         relative(values[k][0] - values[0][0], np.abs(values[0][0]).max() + 1) for k in (5, 6)
@@ -284,6 +317,17 @@ def with_a_tiny_part(random: np.random.Generator, size: float) -> tuple[np.ndarr
     """Return a mesh in two parts, one of them small."""
     (p, one), (q, two) = mesh(random, 3, 2), mesh(random, 2, 2)
     return np.append(p, size * q + [1.5, -0.5], axis=0), np.append(one, two + len(p), axis=0)
+
+
+def uneven_strip(random: np.random.Generator, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return a strip of n triangles, whose points are on no conic.
+
+    Three rings of the first vertex have six points; two rings have five, and rank five.
+    """
+    steps = np.arange(n + 2)
+    points = np.column_stack([steps / 2, steps % 2]) + random.uniform(-0.25, 0.25, (n + 2, 2))
+    triangles = np.arange(n)[:, None] + np.arange(3)
+    return points, random.permuted(random.permutation(triangles), axis=1)
 
 
 def nearly_on_two_lines(
@@ -329,7 +373,7 @@ def ranks_inputs(seed: int) -> tuple[Call, ...]:
             ((*with_a_tiny_part(random, 1e-4), 2), "two rings of a mesh and of a tiny one"),
             *(
                 ((unit * points, cells, 1), f"a fan of points within {height} of two lines{where}")
-                for height, size in (("10⁻⁴", 1e-4), ("10⁻⁸", 1e-8))
+                for height, size in (("10⁻⁴", 1e-4), ("10⁻⁷", 1e-7), ("10⁻⁸", 1e-8))
                 for unit, where in ((1.0, ""), (1e3, ", all lengths times a thousand"))
                 for points, cells in [nearly_on_two_lines(random, size)]
             ),
@@ -337,6 +381,11 @@ def ranks_inputs(seed: int) -> tuple[Call, ...]:
         Call("ranks", (regular.astype(int), squares, 1), "a regular grid of integers", (0,)),
         Call(
             "ranks", (np.array([[0, 0], [4, 1], [1, 3]]), np.array([[2, 0, 1]]), 1), "one triangle"
+        ),
+        *calls_of(
+            "ranks",
+            ((*uneven_strip(random, 8), 3), "three rings in a strip of eight triangles"),
+            ((*uneven_strip(random, 10), 3), "three rings in a strip of ten triangles"),
         ),
     )
 

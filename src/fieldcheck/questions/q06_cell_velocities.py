@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
 from fieldcheck.question import Question, law, relative
-from fieldcheck.questions.q05_edges import AWAY, directions, in_short_binary_numbers
+from fieldcheck.questions.q05_edges import AWAY, directions
 from fieldcheck.simplices import (
     DIGITS_FAR_AWAY,
     FAR,
@@ -301,6 +301,8 @@ def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
         ),
         ((obtuse(random) * [1, 0.02],), "a flat triangle"),
         ((obtuse(random) * [0.02, 1] + 2,), "a narrow triangle"),
+        ((obtuse(random) * [1, 2e-3],), "a triangle as flat as a needle"),
+        ((obtuse(random) * [2e-3, 1],), "a triangle as narrow as a needle"),
         ((integers(triangle(random, True)),), "a triangle of integers"),
         ((integers(obtuse(random)),), "an obtuse triangle of integers"),
         ((1e-6 * triangle(random, True),), "a triangle of the size 10⁻⁶"),

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
 from fieldcheck.question import Question, law, relative
-from fieldcheck.questions.q05_edges import AWAY, in_short_binary_numbers, mesh
+from fieldcheck.questions.q05_edges import AWAY, mesh
 from fieldcheck.questions.q06_cell_velocities import (
     closed,
     cross,
@@ -137,6 +137,13 @@ def raviart_thomas_inputs(seed: int) -> tuple[Call, ...]:
         (
             (triangle(random, False, 0.4), random.normal(size=3), random.random(2)),
             "a triangle listed clockwise",
+        ),
+        *(
+            ((obtuse(random) * scale, random.normal(size=3), random.random(2)), case)
+            for scale, case in (
+                ([1, 1e-5], "a triangle as flat as a needle"),
+                ([1e-5, 1], "a triangle as narrow as a needle"),
+            )
         ),
         ((1e-9 * q, v, 1e-9 * on[1] + 1e-10), "a triangle of the size 10⁻⁹"),
         ((integers(q), v, integers(random.random(2))), "a triangle and a point, integers"),

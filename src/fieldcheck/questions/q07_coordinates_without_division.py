@@ -6,9 +6,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, integers
+from fieldcheck.calls import Call, Values, in_short_binary_numbers, integers
 from fieldcheck.question import Question, law, relative
-from fieldcheck.questions.q05_edges import in_short_binary_numbers
 from fieldcheck.questions.q07_triangles import SMALL, beside_the_origin
 from fieldcheck.questions.q07_voronoi_coordinates import (
     INTEGERS,

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
 from fieldcheck.question import Law, Question, law_of_each, relative
-from fieldcheck.questions.q05_edges import in_short_binary_numbers
 from fieldcheck.simplices import (
     is_equally_far,
     is_halved,
@@ -190,7 +189,12 @@ def area_inputs(seed: int) -> tuple[Call, ...]:
         "another needle",
         "the first triangle, 10⁴ away",
         "an obtuse triangle, 10⁴ away",
+        "the first triangle, of the size 10⁻³, 10⁶ away",
+        "an obtuse triangle, of the size 10⁻³, 10⁶ away",
     )
+    for call in (near[0], near[3]):
+        small = 2.0**-10 * in_short_binary_numbers(np.array(call.arguments))
+        moved.append(small + 2.0**20 * np.array([1, -1]))
     corners = (needles[0], needles[1][[2, 0, 1]], *moved)
     exact = tuple(
         Call("area", tuple(three), case, exact=(0, 1, 2))

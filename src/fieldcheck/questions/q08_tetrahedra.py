@@ -6,9 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
 from fieldcheck.question import Law, Question, law, relative
-from fieldcheck.questions.q05_edges import in_short_binary_numbers
 from fieldcheck.questions.q07_triangles import SMALL, small_simplices
 from fieldcheck.simplices import (
     is_equally_far,
@@ -70,12 +69,21 @@ def volume_inputs(seed: int) -> tuple[Call, ...]:
         thin = np.vstack([ends, beside, four[0] + np.array([0, 0, 1])])[list(order)]
         words = f"{case} with three corners nearly on a line"
         calls.append(Call("volume", tuple(thin), words, exact=(0, 1, 2, 3)))
+        for vertices, name in ((four[list(order)], case), (thin, words)):
+            moved_on = tuple(vertices + 2.0**20 * np.array([1, -1, 1]))
+            calls.append(Call("volume", moved_on, f"{name}, 10⁶ away", exact=(0, 1, 2, 3)))
     for call, case in (
         (near[0], "the first tetrahedron, 10⁴ away"),
         (near[3], "a flat tetrahedron, 10⁴ away"),
     ):
         far = tuple(moved(corner) for corner in call.arguments)
         calls.append(Call("volume", far, case, exact=(0, 1, 2, 3)))
+    for call, case in (
+        (near[0], "a corner at the origin"),
+        (near[3], "a flat one, its corner at the origin"),
+    ):
+        corners = tuple(corner - call.arguments[0] for corner in call.arguments)
+        calls.append(Call("volume", corners, case))
     return near + tuple(calls) + small_simplices("volume", seed, near[0], near[3], size=SMALL)
 
 
@@ -94,7 +102,12 @@ def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
         "circumcenter",
         *(
             (tuple(p * scale for p in near[0].arguments), f"a tetrahedron in a thin layer, {words}")
-            for scale, words in (([1, 1, 0.02], "lying"), ([0.02, 1, 1], "upright"))
+            for scale, words in (
+                ([1, 1, 0.02], "lying"),
+                ([0.02, 1, 1], "upright"),
+                ([1, 3e-3, 1], "three thousandths thick"),
+                ([3e-3, 1, 1], "upright, three thousandths thick"),
+            )
         ),
     )
     small = small_simplices("circumcenter", seed, near[0], near[3])
@@ -137,6 +150,14 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((2.0**-30 * center, 2.0**-30 * (center + obtuse)), "obtuse angles, the size 10⁻⁹"),
         ((2.0**30 * center, 2.0**30 * (center + edges)), "a tetrahedron of the size 10⁹"),
         ((1e6 * center, 1e6 * (center + obtuse)), "obtuse angles, the size 10⁶"),
+        (
+            (np.array([2, -1, 1]), np.array([2, -1, 1]) + integers(edges)),
+            "a vertex and tips in arrays of integers",
+        ),
+        (
+            (np.array([1, 3, -2]), np.array([1, 3, -2]) + integers(obtuse)),
+            "a vertex and other tips in arrays of integers",
+        ),
         ((random.integers(-9, 10, 3), 20 * edges), "a vertex in an array of integers"),
         ((random.integers(-9, 10, 3), 30 * obtuse), "a vertex of integers, obtuse angles"),
     )

@@ -11,9 +11,8 @@ from itertools import product
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
 from fieldcheck.question import Question, law, relative
-from fieldcheck.questions.q05_edges import in_short_binary_numbers
 from fieldcheck.questions.q07_coordinates_without_division import (
     has_negative_coordinates_outside,
     is_rotation_invariant,
@@ -159,6 +158,14 @@ def weights_in_cuboids(random: np.random.Generator) -> Iterator[Call]:
         ):
             case = f"{('a cuboid', 'another cuboid')[k]} {words}"
             yield Call("weights", (center, tips, cells, ends, at), case, exact=(0, 1, 3, 4))
+    for words in ("an oblique cuboid", "another oblique cuboid"):
+        lengths = np.rint(2.0**14 * random.uniform(0.3, 1, (3, 1))) / 2.0**14
+        axes = lengths * random.permutation([[1, 2, 2], [2, 1, -2], [2, -2, 1]])
+        tips, cells, ends = cuboid(np.zeros(3), 1)
+        vertex = 2.0**27 * random.choice([-1, 1], 3)
+        at = np.rint(2.0**16 * random.uniform(-0.7, 0.7, 3)) / 2.0**16 @ axes
+        given = vertex, vertex + tips @ axes, cells, vertex + ends @ axes, vertex + at
+        yield Call("weights", given, f"{words} 10⁸ away", exact=(0, 1, 3, 4))
 
 
 def point_outside(

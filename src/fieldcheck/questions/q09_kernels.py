@@ -46,8 +46,9 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
     apart = np.zeros((9, 2))
     apart[:4, 0], apart[4:, 1] = random.uniform(1, 2, 4), 2.0**-28 * random.uniform(1, 2, 5)
     whole, sides = random.integers(-9, 10, (6, 6)), random.integers(1, 10, (6, 2))
-    q, turned = (np.linalg.qr(random.normal(size=(n, n)))[0] for n in (4, 7))
-    alike = np.stack([q[:, 0], q[:, 0] + 2.0**-40 * q[:, 1], q[:, 2], q[:, 3]], axis=1)
+    turned = np.linalg.qr(random.normal(size=(7, 7)))[0]
+    alike = np.eye(4)  # its rows have one or two entries, so an elimination has no rounding errors
+    alike[0, 1], alike[1, 1] = 1.0, 2.0**-35
     form = random.normal(size=(4, 4))
     large = (turned * np.linspace(2e6, 9e6, 7)).dot(turned.T)
     cases = (
@@ -66,7 +67,7 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
         (cube, 1e-12 * ridges(plane, 1), "the cubes, with linear conditions of the size 10⁻¹²"),
         (cube, apart, "the cubes, with conditions of the sizes 1 and 4 · 10⁻⁹ on different points"),
         (whole + whole.T, sides, "a symmetric matrix and two conditions, in arrays of integers"),
-        (form + form.T, alike, "a symmetric matrix, and two of four conditions 10⁻¹² apart"),
+        (form + form.T, alike, "a symmetric matrix, and two of four conditions 10⁻¹¹ apart"),
         (
             cube,
             ridges(plane, 1) * [0, 1, 1],
@@ -230,11 +231,19 @@ def more_fields(random: np.random.Generator, *calls: Call) -> Iterator[Call]:
         x = np.concatenate([random.uniform(-1, 3, (24, 2)), points])
         case = f"k = {k}, the degree {degree}, number of points: {n}"
         yield Call(name, (points, random.normal(size=n), k, degree, x), case)
-    for size, n, k in ((0.05, 11, 3), (0.05, 12, 2), (100, 11, 3), (300, 12, 2)):
+    for size, n, k, degree in (
+        *((0.05, 11, 3, 1), (0.05, 12, 2, 1), (100, 11, 3, 1)),
+        *((300, 12, 3, 1), (300, 12, 5, 2)),  # a default tolerance would cut singular values
+    ):
         points = cloud(random, n, 2)
         x = np.concatenate([random.uniform(-0.3, 1.3, (24, 2)), points])
-        case = f"{n} points in a box of {size}, k = {k}"
-        yield Call(name, (size * points, random.normal(size=n), k, 1, size * x), case)
+        case = f"{n} points in a box of {size}, k = {k} and the degree {degree}"
+        yield Call(name, (size * points, random.normal(size=n), k, degree, size * x), case)
+    for k, degree in ((3, 1), (5, 2)):
+        points = cloud(random, 12, 2)
+        x = np.concatenate([random.uniform(-0.3, 1.3, (24, 2)), points])
+        case = f"values of the size 10⁻¹⁵, k = {k} and the degree {degree}"
+        yield Call(name, (points, 1e-15 * random.normal(size=12), k, degree, x), case)
     for n, m, case in ((43, 24, "43 points"), (12, 69, "69 evaluation points")):
         points = cloud(random, n, 2)
         x = np.concatenate([random.uniform(-0.3, 1.3, (m - n * (m > 99), 2)), points])

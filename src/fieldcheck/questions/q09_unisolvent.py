@@ -119,6 +119,8 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
     nearer[3] += 5e-9 * np.array([-np.sin(turn), np.cos(turn)])
     circle = np.argwhere(np.add.outer(np.arange(-5, 6) ** 2, np.arange(-5, 6) ** 2) == 25)
     whole = random.permutation(circle)[:8] + random.integers(-9, 10, 2)
+    beside = 1e-13 * random.permutation([0, 1, 0, -1, 0, 1, 0, 0, -1])
+    beside_zero = np.column_stack([cloud(random, 9, 1)[:, 0], beside])
     arms = random.permutation([[1, 2], [3, -1], [4, 5]]) * random.choice([-1, 1], 2)
     star = random.integers(-9, 10, 2) + np.concatenate([0 * arms[:1], arms, -arms])
     cases = (
@@ -148,13 +150,40 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
         *nearly_on_a_line(random),
     )
     exact = (
-        (cloud(random, 6, 2) * [0, 1] + [0.7, 0], 1, "six points on an upright line, degree 1"),
-        (cloud(random, 7, 2) * [1, 0] - [0, 0.3], 2, "seven points on a level line, degree 2"),
-        (cloud(random, 3, 2) * [1, 0] + [0, 0.6], 2, "three points on a level line, degree 2"),
+        (cloud(random, 6, 2) * [0, 1] + [0.7, 0], 1, "six points on a vertical line, degree 1"),
+        (cloud(random, 7, 2) * [1, 0] - [0, 0.3], 2, "seven points on a horizontal line, degree 2"),
+        (cloud(random, 3, 2) * [1, 0] + [0, 0.6], 2, "three points on a horizontal line, degree 2"),
         (line + 1e4, 1, "six points on a line, 10⁴ from the origin, and the degree 1"),
         (line - 1e4, 2, "six points on a line, 10⁴ from the origin, and the degree 2"),
         (star[[0, 1, 2, 4, 5]], 2, "five points, the first in the middle, and the degree 2"),
         (0.5 * star, 1, "seven points, the first in the middle, and the degree 1"),
+        *(
+            (
+                size * along + start,
+                2,
+                f"seven points on a {words} line of length {length}, degree 2",
+            )
+            for along, start, words in (
+                (np.outer(random.permutation([-3, -1, 0, 1, 2, 4, 5]), [0, 1]), [2, 0], "vertical"),
+                (
+                    np.outer(random.permutation([-3, -1, 0, 1, 2, 4, 5]), [1, 0]),
+                    [0, 2],
+                    "horizontal",
+                ),
+            )
+            for size, length in ((2.0**-27, "6·10⁻⁸"), (2.0**27, "10⁹"))
+        ),
+        *(
+            (
+                size * cloud(random, 9, 2)[[*first, *range(2, 7), *last]],
+                2,
+                f"nine points in a box of {box}, {which} two the same, degree 2",
+            )
+            for first, last, which in (((0, 0), (7, 8), "the first"), ((0, 1), (8, 8), "the last"))
+            for size, box in ((1e-8, "10⁻⁸"), (1e-9, "10⁻⁹"), (1e8, "10⁸"))
+        ),
+        (beside_zero, 1, "nine points within 10⁻¹³ of a horizontal line, degree 1"),
+        (beside_zero[:, ::-1], 2, "nine points within 10⁻¹³ of a vertical line, degree 2"),
     )
     return (
         *(Call("vanishing", (p, degree), case) for p, degree, case in cases),
@@ -258,9 +287,9 @@ def upright_and_level(random: np.random.Generator) -> Iterator[Call]:
         ([-0.5, 1.0], [0, -1.25], "exactly below the middle of the first two"),
         ([1.0, 0.5], [1.5, 0], "exactly to the right of the middle of the first two"),
         ([0.75, -1.0], [-1.25, 0], "exactly to the left of the middle of the first two"),
-        ([0, 1.0], [1.5, 0.75], "and the first two on an upright line"),
-        ([1.0, 0], [0.75, -1.5], "and the first two on a level line"),
-        ([0, -1.0], [1.5, 0], "to the right of an upright line"),
+        ([0, 1.0], [1.5, 0.75], "and the first two on a vertical line"),
+        ([1.0, 0], [0.75, -1.5], "and the first two on a horizontal line"),
+        ([0, -1.0], [1.5, 0], "to the right of a vertical line"),
         ([1.0, 0.5], [-1.0, 2.0], "at a right angle to the first two"),
     ):
         center = random.integers(-9, 10, 2)

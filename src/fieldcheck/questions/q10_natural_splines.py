@@ -143,6 +143,8 @@ def more_moments(random: np.random.Generator, sites: np.ndarray) -> tuple[Call, 
         ((2.0**20 * sites, random.normal(size=5)), "five sites 10⁶ apart"),
         ((2.0**24 * sites[:4], random.normal(size=4)), "four sites 10⁷ apart"),
         ((line(random, 43), random.normal(size=43)), "43 sites"),
+        ((line(random, 250), random.normal(size=250)), "250 sites"),
+        ((line(random, 300), random.normal(size=300)), "300 sites"),
         ((sites, np.full(5, 3)), "five equal values"),
     )
     straight = whole, 2 - random.integers(2, 5) * whole

@@ -103,7 +103,7 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         (near_line * [0.6, -0.8] + [1, 2], 4, "points on an oblique line"),
         (far_line * [0, 1] + [2, 0], 3, "points on a line parallel to an axis"),
         (sheet(random, 12), 6, "points of a tilted plane in space"),
-        (random.uniform(-1, 1, (11, 3)) * [1, 1, 0] + [0, 0, 3], 5, "points of a level plane"),
+        (random.uniform(-1, 1, (11, 3)) * [1, 1, 0] + [0, 0, 3], 5, "points of a horizontal plane"),
         (oval(random, 12), 2, "an oval, two neighbours"),
         (torus(random, 4, 7), 3, "a torus, three neighbours"),
     )

@@ -190,8 +190,16 @@ def more_fields(
         for offset, d, there, case in (
             (3e4, 2, plane, "five points far from the origin"),
             (-2e4, 3, space, "five points in space, far from the origin"),
+            (2.0**27, 2, without_slopes(plane), "five points very far from the origin"),
+            (-(2.0**27), 3, without_slopes(space), "five points in space, very far away"),
         )
     )
+
+
+def without_slopes(function: tuple[np.ndarray, ...]) -> tuple[np.ndarray, ...]:
+    """Return a function (11.7) whose linear polynomial is constant: slopes lose digits far away."""
+    sites, weights, plane = function
+    return sites, weights, plane * (np.arange(len(plane)) == 0)
 
 
 def far_away(offset: float, x: np.ndarray, *function: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -219,8 +227,10 @@ def gradient_is_that_of_the_values(calls: Sequence[Call], values: Sequence[Value
         x, *rest = call.arguments
         worst = max(worst, 1e3 * relative(f - cubes(x, *rest), f))
         h = 1e-5 * np.abs(x[:, None] - rest[0]).max()
+        origin, (sites, *factors) = rest[0][0], rest  # far from zero small steps lose digits
+        y, near = x - origin, (sites - origin, *factors)
         for d, step in enumerate(h * np.eye(x.shape[1])):
-            slope = (cubes(x + step, *rest) - cubes(x - step, *rest)) / (2 * h)
+            slope = (cubes(y + step, *near) - cubes(y - step, *near)) / (2 * h)
             worst = max(worst, relative(gradient[:, d] - slope, gradient))
     return worst
 

@@ -63,6 +63,23 @@ def meshes(name: str, seed: int) -> tuple[Call, ...]:
             (grid(random, 2, 2, 2)[[0, 3, 5, 6]], random.uniform(0, 1, (6, 3))),
             "four nodes in space",
         ),
+        ((grid(random, 2, 2), random.uniform(0, 0.5, (4, 2))), "four nodes in the plane"),
+        ((grid(random, 3), random.uniform(0, 1, (4, 1))), "three nodes on the line"),
+    )
+
+
+def weights_inputs(seed: int) -> tuple[Call, ...]:
+    """Return the same, and nodes in millimetres.
+
+    There a default tolerance would cut singular values.
+    """
+    calls = meshes("weights", seed)
+    (plane, x), (line, _) = calls[0].arguments, calls[3].arguments
+    y = np.random.default_rng(seed + 1).uniform(-0.2, 2, (4, 1))
+    return (
+        *calls,
+        Call("weights", (1e3 * line, 1e3 * y), "five nodes on the line, in millimetres"),
+        Call("weights", (1e3 * plane, 1e3 * x), "twelve nodes in the plane, in millimetres"),
     )
 
 
@@ -413,7 +430,7 @@ QUESTIONS = (
         "12.1",
         "weights",
         3,
-        lambda seed: meshes("weights", seed),
+        weights_inputs,
         weights_shape,
         (rows_sum_to_one, reproduces_positions, is_one_at_its_node, is_rotation_invariant),
     ),

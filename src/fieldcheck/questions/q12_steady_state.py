@@ -123,7 +123,7 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
     turning = np.diag([0.5, 0.25, 0.4, 1.6])
     turning[2:, 2:] += 2 * np.array([[0, 1], [-1, 0]])
     springs = random.uniform(2, 3, 4)
-    growths = random.uniform(0.3, 0.35, 4) * [0.6, 2.5, -1.2, 1.4]
+    growths = random.uniform(0.3, 0.35, 4) * [0.6, 2.5, -4, 1.4]
     frame, other_frame = (np.linalg.qr(random.normal(size=(4, 4)))[0] for _ in range(2))
     faster = np.diag([0.3, 0.5, 1.2, 0.2])
     faster[1:3, 1:3] = [[0.9, 2.5], [-2.5, 0.9]]
@@ -149,6 +149,10 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
         (
             (np.diag(springs), np.eye(4), np.diag(springs * growths)),
             "four sections that are not coupled",
+        ),
+        (
+            (np.diag(springs[1:]), np.eye(3), np.diag((springs * growths)[1:])),
+            "three sections that are not coupled",
         ),
         *(
             ((*wing(random, n, m)[:2], np.outer(*random.uniform(0.4, 1, (2, m)))), case)

@@ -85,7 +85,8 @@ def bounds_in_other_units(random: np.random.Generator) -> tuple[Call, ...]:
                 case,
             )
             for length, size, case in (
-                (2.0**-30, 1e-9, "sites 10⁻⁹ apart, and values of about 10⁻⁹"),
+                (2.0**-43, 1e-9, "sites 10⁻¹³ apart, and values of about 10⁻⁹"),
+                (2.0**-50, 1, "sites 10⁻¹⁵ apart"),
                 (2.0**-20, 1e-12, "sites 10⁻⁶ apart, and values of about 10⁻¹²"),
                 (2.0**30, 1e9, "sites 10⁹ apart, and values of about 10⁹"),
                 (2.0**20, 1e12, "sites 10⁶ apart, and values of about 10¹²"),

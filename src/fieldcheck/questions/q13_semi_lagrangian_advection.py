@@ -6,13 +6,14 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
 from fieldcheck.question import Law, Question, law, relative
 from fieldcheck.variants import one_changed
 
 Deviation = Callable[[Sequence[Call], Sequence[Values]], float]
 CORNERS = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
 FAR = np.array([2.0**16, -(2.0**17)])
+VERY_FAR = np.array([2.0**24, -(2.0**25)])
 
 
 def in_disc(random: np.random.Generator, n: int) -> np.ndarray:
@@ -43,7 +44,7 @@ def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
     moving = calls_of(
         name,
         ((x, t, dt, 1), "eight points in the vortex"),
-        ((x, t, dt / 2, 1), "the same points with half the step"),
+        ((x, t, dt / 2, 1), "eight points in the vortex, half the step"),
         ((x, t, 2 * dt, 0), "eight points in the solid rotation"),
         ((0.9 * in_square(random, 2), t, 3 * dt, 2), "four points in the deformation flow"),
         ((whole, t, dt, 1), "points that are an array of integers, in the vortex"),
@@ -52,7 +53,7 @@ def feet_inputs(name: str, seed: int) -> tuple[Call, ...]:
             (CORNERS * random.uniform(0.55, 0.65, (4, 2)), 0.0, 0.9, 2),
             "a long step from the time 0 in the deformation flow",
         ),
-        ((0.8 * x[::-1], t, dt, 1), "eight other points in the vortex, at the same time"),
+        ((0.8 * x[::-1], t, dt, 1), "eight points elsewhere in the vortex"),
         ((x[3:4], -t, dt, 1), "a single point in the vortex, at a negative time"),
         ((0.7 * x[5:6], t, dt, 2), "a single point in the deformation flow"),
         ((in_disc(random, 7), t, dt, 1), "seven points in the vortex"),
@@ -130,7 +131,7 @@ def feet_question(
         lambda call: (call.arguments[0].shape,),
         (
             Law(
-                f"In the vortex, half the step must reduce the error about {2**order} times.",
+                f"In the vortex, halving the step must reduce the error about {2**order} times.",
                 falls_with_order(order),
             ),
             Law(
@@ -218,6 +219,16 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
             ((sites, random.uniform(-1, 1, (2, 2)), 8), "two feet in the plane"),
             ((few, random.uniform(-1, 1, (9, 2)), 7), "as many feet as sites"),
         ),
+        *(
+            Call(
+                name,
+                (*(in_short_binary_numbers(p) + side * VERY_FAR for p in places), 8),
+                f"{words} feet and 36 sites very far from the origin",
+                (0, 1),
+            )
+            for side, n, words in ((1, 40, "forty"), (-1, 30, "thirty"))
+            for places in ((in_square(random, 6), random.uniform(-1, 1, (n, 2))),)
+        ),
     )
 
 
@@ -280,11 +291,11 @@ def advect_inputs(seed: int) -> tuple[Call, ...]:
         ((disc, random.integers(-20, 20, 24), dt, 2, 1, 8), "values that are an array of integers"),
         (
             (0.9 * disc[:, ::-1], random.normal(size=24), 2 * dt, 3, 1, 8),
-            "other sites in the vortex",
+            "a field in the vortex, a smaller disc",
         ),
         (
             (in_square(random, 4), random.normal(size=16), 3 * dt, 2, 2, 9),
-            "other sites in the deformation flow",
+            "a field in the deformation flow, at its own sites",
         ),
         ((disc, random.normal(size=24), dt, 0, 1, 8), "no step"),
         (
@@ -366,11 +377,14 @@ def burgers_inputs(seed: int) -> tuple[Call, ...]:
     dt, name, order = random.uniform(0.4, 0.6), "burgers_feet", random.permutation(9)
     return calls_of(
         name,
-        ((x, rising, dt, 5, 4), "a linear field and five rounds"),
         ((x, rising, dt, 1, 4), "a linear field and one round"),
+        ((x, rising, dt, 5, 4), "a linear field and five rounds"),
         ((x, wave, dt / 2, 3, 5), "a wave and three rounds"),
         ((x, np.full(9, 0.7), dt, 2, 4), "a constant"),
-        ((x[order], wave[order], dt / 2, 3, 5), "the same wave, its sites in another order"),
+        (
+            (x[order], wave[order], dt / 2, 3, 5),
+            "a wave and three rounds, the sites in another order",
+        ),
         ((x, 3 * x[:, 0] + 0.1, dt, 7, 4), "a linear field and rounds that diverge"),
         ((x, wave, 3 * dt, 1, 5), "a wave and one long step"),
         (
@@ -379,8 +393,8 @@ def burgers_inputs(seed: int) -> tuple[Call, ...]:
         ),
         ((x, random.integers(-3, 4, 9), dt / 2, 3, 5), "velocities that are an array of integers"),
         ((x, wave, dt, 0, 4), "a wave and no round"),
-        ((x, wave[::-1], dt / 2, 3, 5), "another wave at the same sites"),
-        ((x + 0.2 * wave[:, None], wave, dt / 2, 3, 5), "the same velocities at other sites"),
+        ((x, wave[::-1], dt / 2, 3, 5), "a wave of the opposite direction"),
+        ((x + 0.2 * wave[:, None], wave, dt / 2, 3, 5), "a wave at uneven sites"),
         *((wave_at(random, random.permutation(n), dt / 2, 2, 5), f"{n} sites") for n in (45, 71)),
         (wave_at(random, random.permutation(7), 1, 2, 4), "a step of length 1, a whole number"),
         *(

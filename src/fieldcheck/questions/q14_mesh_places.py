@@ -359,10 +359,23 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
         Call(
             "flat",
             (BESIDE_LINE[:, [2, 0, 1]], LEVEL_NAMES[::-1], 1),
-            "corners on an upright line, as integers",
+            "corners on a vertical line, as integers",
             exact=(0, 2),
         ),
+        *(
+            Call("flat", (nearly_caps(random, 12), names(12), tolerance), case)
+            for tolerance, case in (
+                (1e-9, "twelve caps of the height 3·10⁻⁹, with a tolerance of 10⁻⁹"),
+                (0.0, "twelve caps of the height 3·10⁻⁹, with the tolerance zero"),
+            )
+        ),
     )
+
+
+def nearly_caps(random: np.random.Generator, n: int) -> np.ndarray:
+    """Return the corners of n caps that are not quite flat."""
+    feet = random.uniform(0.3, 0.7, n)
+    return np.concatenate([thin(random, 2, 3e-9, foot, k % 3) for k, foot in enumerate(feet)])
 
 
 def thin_ones(random: np.random.Generator, n: int) -> np.ndarray:
@@ -399,6 +412,7 @@ FLAT = (
     *((12 * FLAT_OF_HEIGHTS)[:n] for n in (71, 69, 22, 22, 3, 3, 101, 97)),
     (1, 0, 1, 1),
     (1, 1, 0, 1),
+    *2 * (12 * (0,),),
 )
 
 
@@ -442,7 +456,7 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
         )
     for case, axes, offset in (
         ("segments, some of which end in the plane or lie in it", [0, 1, 2], 0.0),
-        ("segments and upright triangles of integers", [2, 0, 1], 3),
+        ("segments and vertical triangles of integers", [2, 0, 1], 3),
     ):
         start, end, triangle = (
             np.array(numbers)[..., axes] + offset for numbers in (FROM, TO, TRIANGLE)
@@ -459,6 +473,8 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
         ("fourteen tiny segments and triangles", 14, 2.0**-30, 0.0),
         ("fourteen huge segments and triangles", 14, 2.0**30, 0.0),
         ("fourteen other huge segments and triangles", 14, 2.0**40, 0.0),
+        ("fourteen segments and triangles of the size 10⁻⁶⁰", 14, 2.0**-200, 0.0),
+        ("twelve segments and triangles of the size 10⁻⁶⁶", 12, 2.0**-220, 0.0),
     ):
         some = pairs(random, (19 * THROUGH)[:n])
         calls.append(Call("pierced", tuple(middle + size * p for p in some), case))
@@ -467,7 +483,31 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
         ((10, 2, 12), "three other segments and triangles"),
     ):
         calls.append(Call("pierced", pairs(random, [THROUGH[k] for k in chosen]), case))
+    for n, size, away, case in (
+        (60, 1, 0, "sixty segments that end in the planes of oblique triangles of integers"),
+        (61, 1, 0, "61 segments that end in the planes of oblique triangles of integers"),
+        (100, 2.0**-12, 2.0**20, "a hundred segments that end in oblique planes, 10⁶ away"),
+        (101, 2.0**-12, -(2.0**20), "101 segments that end in oblique planes, 10⁶ away"),
+    ):
+        bound = 10 if away == 0 else 4000
+        ends = in_the_plane(random, n, bound)
+        moved = tuple(size * p + away * np.array([1, -1, 0.5]) for p in ends) if away else ends
+        calls.append(Call("pierced", moved, case, exact=(0, 1, 2)))
     return tuple(calls)
+
+
+def in_the_plane(
+    random: np.random.Generator, n: int, bound: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return integers: starts in the planes of oblique triangles, within them, ends, and corners.
+
+    A start is the mean of the corners with the weights 1/2, 1/4 and 1/4. The largest coordinate
+    relative to a corner is a power of two, so division by this size has no rounding errors.
+    """
+    a, end = random.integers(-bound, bound + 1, (2, n, 3))
+    end[:, 0] = a[:, 0] + 2 ** int(np.log2(8 * bound))
+    one, other = random.integers(1, bound // 2, (2, n, 3)) * [[[1, -1, 1]], [[1, 1, -1]]]
+    return a + one + other, end, np.stack([a, a + 4 * one, a + 4 * other], axis=1)
 
 
 def pairs(
@@ -494,8 +534,9 @@ THROUGH_OR_NOT = (1, 1, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 1, 0)
 IN_THE_PLANE_OR_NOT = (1, 0, 0, 0, 0, 0, 0, 1)
 GOES_THROUGH = (
     *(*2 * (THROUGH_OR_NOT,), *2 * (IN_THE_PLANE_OR_NOT,), (1,), (0,)),
-    *((19 * THROUGH_OR_NOT)[:n] for n in (71, 69, 12, 12, 14, 14, 14)),
+    *((19 * THROUGH_OR_NOT)[:n] for n in (71, 69, 12, 12, 14, 14, 14, 14, 12)),
     *((1, 1, 1), (1, 0, 1)),
+    *(n * (0,) for n in (60, 61, 100, 101)),
 )
 
 

@@ -17,7 +17,7 @@ from fieldgrade.authoring.known_answers import answers_file, same_answers
 from fieldgrade.authoring.leaks import code_leaks, long_numbers, number_leaks, numbers_of
 from fieldgrade.authoring.notebooks import execute, solved_notebook, stub, student_notebook, to_text
 from fieldgrade.authoring.orientation import table
-from fieldgrade.authoring.outline import Outline
+from fieldgrade.authoring.outline import Outline, points
 from fieldgrade.authoring.sources import Source, sources
 from fieldgrade.authoring.trials import trials
 from fieldrecon._core.atomic_files import write_if_changed
@@ -111,9 +111,20 @@ def stubs_file(root: Path) -> str:
 
 
 def outline_file(root: Path) -> str:
-    """Return the text of ``fieldcheck/outline.json``: the names of the optional questions."""
-    items = (item for source in all_sources(root) for item in Outline(source).optional)
-    return json.dumps({"optional": [item.question for item in items]}, indent=0) + "\n"
+    """Return the text of ``fieldcheck/outline.json``.
+
+    It has the names of the optional questions, and the points of the answers in words of the core
+    of each notebook.
+    """
+    outlines = {source.number: Outline(source) for source in all_sources(root)}
+    text = {
+        "optional": [item.question for o in outlines.values() for item in o.optional],
+        "points_in_words": {
+            number: points(item for item in o.core if not item.function)
+            for number, o in outlines.items()
+        },
+    }
+    return json.dumps(text, indent=0) + "\n"
 
 
 def solved_file(root: Path, source: Source) -> Path:

@@ -45,7 +45,7 @@ class CheckResult:
     cells : CellReport
         What is reported about the cells, which ran before the calls.
     returned : tuple of mapping
-        The wrong values on the public case with the largest difference, for a picture.
+        The wrong values on the first public case that fails, for a picture.
     given : tuple of str
         The earlier questions whose right functions the answer was given.
     """

@@ -57,6 +57,8 @@ def test_the_minutes_agree_with_the_length_of_text_and_solution(source):
 
 
 BEYOND = "*Beyond the question.*"
+LETTERED = re.compile(r"(?<![\w$])\([a-c]\) ")
+CREDITED = re.compile(r"(?:^|[.:] )One(?= point|:| for)")
 
 
 @each_source
@@ -67,6 +69,19 @@ def test_a_model_answer_has_no_more_words_than_stated(source):
         if cell.answer:
             answer = cell.text.partition(BEYOND)[0]
             assert number_of_words(answer) <= stated[cell.answer], cell.answer
+
+
+def test_a_question_in_words_asks_one_thing_and_its_rubric_has_a_sentence_for_each_point():
+    """There are no lettered parts, and at most one question mark."""
+    for cells in (source.cells for source in SOURCES):
+        for before, cell, rubric in zip(cells, cells[1:], cells[2:], strict=False):
+            if cell.answer:
+                asked = before.text.partition(f"**{cell.answer}** ")[2].partition("<details>")[0]
+                assert asked.count("?") <= 1, cell.answer
+                lettered = map(LETTERED.search, (asked, cell.text, rubric.text))
+                assert not any(lettered), cell.answer
+                points = CREDITED.findall(" ".join(rubric.text.split()))
+                assert len(points) == cell.metadata["points"], cell.answer
 
 
 @pytest.mark.slow
@@ -199,14 +214,17 @@ def test_progress_adds_core_and_optional_points_separately():
     assert Progress(dict.fromkeys(optional, "right")).earned == 0
     lines = repr(shown).splitlines()
     worth = sum(q.points for q in begun if q.name in optional)
-    assert lines[-1] == f"{worth} of {worth} points, optional"
-    assert f"{shown.possible} of {shown.possible} points, core" in lines
+    assert lines[-1] == f"{worth} of {worth} points"
+    core = f"{shown.possible} of {shown.possible} points for functions; "
+    assert any(line.startswith(core) for line in lines)
+    assert "Notebook 12, optional" in lines
     assert shown._repr_html_().count("<table>") == 2
 
 
 def test_progress_without_optional_questions_has_one_sum():
     shown = Progress({"01.1": "right"})
-    assert repr(shown).endswith(f"{shown.earned:g} of {shown.possible} points")
+    total = repr(shown).splitlines()[-1]
+    assert total.startswith(f"{shown.earned:g} of {shown.possible} points for functions; ")
     assert shown._repr_html_().count("<table>") == 1
     assert fieldcheck.Progress is Progress
 
