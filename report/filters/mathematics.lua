@@ -26,6 +26,9 @@ local REPAIRED = {
   { '(brac[ek]e?t?%.[lr])%.double', '%1.stroked' },
   { 'delim: "||"', 'delim: "|"' },
   { '"(arg ?m[ai][nx])"_', 'op("%1", limits: #true)_' },
+  { '\\| (.-) \\|', 'lr(|%1|)' },                -- bars at their contents, and larger parentheses
+  { '(#scale%b()%[\\[(%[]%]) ', '%1' },
+  { ' (#scale%b()%[\\[)%]]%])', '%1' },
 }
 
 local function check(tex)
@@ -96,6 +99,9 @@ local function typst(math, id, number)
   local written = written_as[math.mathtype][math.text]
   written = written:gsub('^%s+', ''):gsub('%s+$', '')
   for _, rule in ipairs(REPAIRED) do written = written:gsub(rule[1], rule[2]) end
+  for name in math.text:gmatch '\\operatorname{(%a+)}' do
+    written = written:gsub('"' .. name .. '"', 'op("' .. name .. '")')
+  end
   written = written:gsub('cases(%b())', function(c) return 'cases' .. c:gsub(' & ', ' &quad ') end)
   local options = 'alt: ' .. quoted(math.text) .. ', '
   if math.mathtype == 'DisplayMath' then options = 'block: true, ' .. options end

@@ -59,7 +59,7 @@ local function in_attributes(element)
 end
 
 local fill = { Str = in_text, Math = in_mathematics, Image = in_attributes, Div = in_attributes,
-  CodeBlock = in_attributes }
+  CodeBlock = in_attributes, Inlines = values.with_units }
 
 -- Alternative texts are inlines of the image, but plain text in the outputs.
 local plain = { Str = function(str)

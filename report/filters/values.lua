@@ -24,13 +24,14 @@ function values.experiment(name)
   return experiment
 end
 
--- A format is what Python's format() knows of numbers: [+][,][.digits][d e f g %]
+-- A format is what Python's format() knows of numbers: [+][.digits][d e f g %]
 local function parse(format)
-  local sign, comma, precision, kind = format:match '^(%+?)(,?)(%.?%d*)([defg%%]?)$'
+  local sign, precision, kind = format:match '^(%+?)(%.?%d*)([defg%%]?)$'
   if not kind or precision == '.' or precision:match '^%d' then return nil end
-  return sign, comma, precision, kind
+  return sign, precision, kind
 end
 
+-- All numbers have separators from 1,000 on, in text and tables alike.
 local function group(digits)
   local whole, rest = digits:match '^([-+]?%d+)(.*)$'
   if not whole then return digits end
@@ -53,7 +54,7 @@ end
 
 local function digits(x, format)
   x = math.tointeger(x) or x             -- JSON numbers arrive as floats
-  local sign, comma, precision, kind = parse(format)
+  local sign, precision, kind = parse(format)
   if not kind then return nil end
   if kind == '' and precision == '' then
     kind = math.type(x) == 'integer' and 'd' or '.9g'
@@ -67,7 +68,7 @@ local function digits(x, format)
   else
     text = ('%' .. sign .. precision .. (kind == '' and 'g' or kind)):format(x)
   end
-  return comma == ',' and group(text) or text
+  return group(text)
 end
 
 -- A value as text with the digits that are told; nil and a problem where the format does not fit.
@@ -130,13 +131,15 @@ function values.tex(text)
   if exponent then
     return sign .. product(mantissa, ' \\times ', exponent, '10^{' .. exponent .. '}')
   end
-  return (text:gsub('(%d),(%d)', '%1{,}%2'):gsub('%%', '\\%%'))
+  -- as text, since Typst sets a space behind a comma of mathematics
+  return (text:gsub('%d+,[%d,]*%d', '\\text{%0}'):gsub('%%', '\\,\\%%'))
 end
 
 local RAISED = { ['-'] = '⁻', ['0'] = '⁰', ['1'] = '¹', ['2'] = '²', ['3'] = '³', ['4'] = '⁴',
   ['5'] = '⁵', ['6'] = '⁶', ['7'] = '⁷', ['8'] = '⁸', ['9'] = '⁹' }
 
 local MINUS = '−'
+local NO_BREAK = '\u{a0}'
 
 function values.plain(text)
   if not text:match '^[-+%d]' then return text end
@@ -144,7 +147,7 @@ function values.plain(text)
   if exponent then
     text = sign .. product(mantissa, ' × ', exponent, '10' .. tostring(exponent):gsub('.', RAISED))
   end
-  return (text:gsub('^%-', MINUS))
+  return (text:gsub('^%-', MINUS):gsub('(%d)%%', '%1' .. NO_BREAK .. '%%'))
 end
 
 function values.inlines(text)
@@ -159,10 +162,25 @@ function values.inlines(text)
       out:insert(pandoc.Math('InlineMath', values.tex(number)))
       if comma ~= '' then out:insert(pandoc.Str(comma)) end
     else
-      out:insert(pandoc.Str((word:gsub('^%-(%d)', MINUS .. '%1'))))
+      out:insert(pandoc.Str((word:gsub('^%-(%d)', MINUS .. '%1'):gsub('(%d)%%', '%1' .. NO_BREAK .. '%%'))))
     end
   end
   return out
+end
+
+-- A line does not end between a number and its unit.
+local UNITS = { ['%'] = true, ['°'] = true, m = true, mm = true, km = true, s = true, K = true, t = true,
+  ['m/s'] = true, ['kg/m³'] = true, kPa = true, MB = true }
+
+function values.with_units(inlines)
+  for i = 2, #inlines - 1 do
+    local number, unit = inlines[i - 1], inlines[i + 1]
+    if inlines[i].t == 'Space' and number.t == 'Str' and number.text:match '%d$' and unit.t == 'Str'
+        and UNITS[unit.text:match '^(.-)[.,;:)]*$'] then
+      inlines[i] = pandoc.Str(NO_BREAK)
+    end
+  end
+  return inlines
 end
 
 return values

@@ -50,7 +50,8 @@ local function folded(s)
   if not parameters then return nil end
   local out = pandoc.Inlines { pandoc.RawInline('html', '<details class="provenance"><summary>') }
   out:extend(head:walk { Link = function(l) return l.content end })
-  out:extend { parameters:remove(1), pandoc.RawInline('html', '</summary>') }     -- the colon
+  local colon = pandoc.Span({ parameters:remove(1) }, { '', { 'colon' } })       -- not shown when folded
+  out:extend { colon, pandoc.RawInline('html', '</summary>') }
   out:extend(parameters)
   out:extend { pandoc.Str '.', pandoc.RawInline('html', '</details>') }
   return out

@@ -8,7 +8,7 @@ local pictures = require 'pictures'
 
 local WIDE = 7            -- from so many columns on a table is set smaller
 local LONG = 30           -- from so many rows on it may run over several pages,
-local LONG_OF_TEXT = 8    -- and from so many if its cells are of several lines
+local LONG_OF_TEXT = 19   -- and from so many if its cells are of several lines
 
 local function raw(text) return pandoc.RawInline('typst', text) end
 local function raw_block(text) return pandoc.RawBlock('typst', text) end
@@ -24,8 +24,18 @@ local function wrapped(before, inlines, after)
   return out
 end
 
+local function within(call, blocks)
+  blocks:insert(1, raw_block('#' .. call .. '['))
+  blocks:insert(raw_block ']')
+end
+
 local function with_pages(inlines)
   return inlines:walk { Link = function(l) return { l, raw('#page-of(<' .. l.target:sub(2) .. '>)') } end }
+end
+
+-- Typst would end a line behind the slash of a unit.
+local function unit(str)
+  if str.text:match '^k?[gm]/[ms]' then return raw('#box[' .. str.text .. ']') end
 end
 
 local function span(s)
@@ -35,20 +45,36 @@ local function span(s)
   if s.classes:includes 'with-page' then return with_pages(s.content) end
 end
 
--- Paragraphs, lists and listings at the top level stay whole; what announces the next block stays with it.
-local WHOLE = 2000        -- characters up to which a block stays whole, about half a page
+-- Paragraphs, short lists, items of long ones, and listings at the top level stay whole; what announces
+-- the next block stays with it.
+local WHOLE = 2000        -- characters up to which a block stays whole, about half a page,
+local WHOLE_LIST = 800    -- and a list
 
 local function last_character(block)
   return pandoc.utils.stringify(block):sub(-1)
 end
 
+local function whole(blocks, keep)
+  within('whole' .. (keep and '(keep: true)' or ''), blocks)
+  return blocks
+end
+
+-- An item of one paragraph remains one, for the sake of the spaces between items.
+local function whole_item(item)
+  if #item > 1 or item[1].t ~= 'Plain' then return whole(item) end
+  return { pandoc.Plain(wrapped('#whole[', item[1].content, ']')) }
+end
+
 local function kept_whole(block)
+  local length = #pandoc.utils.stringify(block)
   local is_list = block.t == 'BulletList' or block.t == 'OrderedList'
   local is_listing = block.t == 'Div' and block.classes:includes 'listing'
-  if not (block.t == 'Para' or is_list or is_listing) then return { block } end
-  if #pandoc.utils.stringify(block) > WHOLE then return { block } end
-  local keep = last_character(block) == ':' and '(keep: true)' or ''
-  return { raw_block('#whole' .. keep .. '['), block, raw_block ']' }
+  if is_list and length > WHOLE_LIST then
+    for i, item in ipairs(block.content) do block.content[i] = whole_item(item) end
+    return { block }
+  end
+  if not (block.t == 'Para' or is_list or is_listing) or length > WHOLE then return { block } end
+  return whole(pandoc.Blocks { block }, last_character(block) == ':')
 end
 
 local function is_displayed(x)
@@ -94,7 +120,7 @@ local function box(div)
     if class ~= 'statement' then kind = kind or class end
   end
   if not div.classes:includes 'statement' then return nil end
-  if kind == 'solution' then div.content = unsplit(div.content) end
+  if kind == 'solution' or kind == 'proof' then div.content = unsplit(div.content) end
   div.content:insert(1, raw_block('#statement("' .. kind .. '")['))
   div.content:insert(raw_block ']')
   return div
@@ -111,15 +137,31 @@ local function has_widths(t)
   return t.colspecs[1][2] ~= nil
 end
 
-local function within(call, blocks)
-  blocks:insert(1, raw_block('#' .. call .. '['))
-  blocks:insert(raw_block ']')
+local function is_long(t)
+  return row_count(t) >= (has_widths(t) and LONG_OF_TEXT or LONG)
 end
 
 local function sized(t)
   local out = pandoc.Blocks { t }
   if #t.colspecs >= WIDE then within('wide-table', out) end
-  if row_count(t) >= (has_widths(t) and LONG_OF_TEXT or LONG) then within('long-table', out) end
+  if is_long(t) then within('long-table', out) end
+  return out
+end
+
+-- All figures and short tables float; the template asks on which page their chapter begins.
+local function floating(blocks)
+  local chapter
+  local function float(block)
+    if block.t == 'Table' and is_long(block) then return nil end
+    local out = pandoc.Blocks { block }
+    within(('floating(<%s>)'):format(chapter), out)
+    return out
+  end
+  local out = pandoc.Blocks {}
+  for _, block in ipairs(blocks) do
+    if block.t == 'Header' and block.level == 1 then chapter = block.identifier end
+    out:extend(pandoc.Blocks { block }:walk { Figure = float, Table = float })
+  end
   return out
 end
 
@@ -130,7 +172,7 @@ return function(doc)
     return raw(('#image("/experiments/%s", width: %.2fmm, alt: %s)'):format(i.src, width,
       quoted(pandoc.utils.stringify(i.caption))))
   end
-  doc.blocks = doc.blocks:walk { Image = image, Span = span, Div = box, Table = sized }
-  doc.blocks = parts(unsplit(doc.blocks))
+  doc.blocks = doc.blocks:walk { Image = image, Str = unit, Span = span, Div = box, Table = sized }
+  doc.blocks = parts(unsplit(floating(doc.blocks)))
   return doc
 end

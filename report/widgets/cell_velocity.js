@@ -2,7 +2,7 @@
 // that has this velocity: the circumcentre, the symmedian point or a point of the nine-point circle.
 widget("cell_velocity", living => {
   living.state.corners = living.data.corners;
-  const panel = new Panel(living, { x: [-1.3, 1.3], y: [-1.2, 1.2], width: 400, height: 369,
+  const panel = new Panel(living, { x: [-1.3, 1.3], y: [-1.2, 1.2], width: 360, height: 332,
     label: "A triangle, its circles, and the point that has the velocity of the cell" });
   panel.svg.style.maxWidth = "32rem";
   for (let k = 0; k < 3; k++)

@@ -4,11 +4,11 @@ const TURNS = 40;
 widget("elastic_wing", living => {
   const { pressure, span, sweeps } = living.data, names = Object.keys(sweeps).sort((a, b) => b - a);
   const wing = new Panel(living, { x: [0, 30], y: [-1, 9], width: 360, height: 300,
-    margin: [34, 8, 20, 34],
+    margin: [34, 8, 26, 34],
     label: "Deflection of the wing along the span" });
   const chart = new Panel(living,
     { x: [0, TURNS], y: [1e-12, 1e6], log: [false, true], width: 340, height: 300,
-    margin: [40, 8, 20, 34], label: "Residuals of the iteration" });
+    margin: [40, 8, 26, 34], label: "Residuals of the iteration" });
   const slider = living.slider("ratio",
     { label: "dynamic pressure / that of the flight", least: 2, most: 60, at: 20,
     value: k => k / 20, text: q => fixed(q, 2) });

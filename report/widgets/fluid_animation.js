@@ -5,7 +5,7 @@ widget("fluid_animation", living => {
   const box = new Panel(living, { x: [0, 1], y: [0, 1], width: 360, height: 360, margin: [3, 3, 3, 3],
     label: "Mesh, ink and its exact boundary" });
   const chart = new Panel(living,
-    { x: [0, times.at(-1)], y: [0, 1.05], width: 340, height: 300, margin: [34, 8, 22, 32],
+    { x: [0, times.at(-1)], y: [0, 1.05], width: 340, height: 300, margin: [34, 8, 26, 32],
     label: "Kinetic energy against time" });
   const slider = living.slider("step", { label: "time", least: 0, most: times.length - 1, at: 0,
     text: k => fixed(times[k], 2) });

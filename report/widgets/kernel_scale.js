@@ -20,7 +20,7 @@ widget("kernel_scale", living => {
   living.panels.append(column);
   const [errors, conditions] = [[3e-4, 3, 160], [1, 1e18, 150]].map(([least, most, height], k) =>
     new Panel(living, { x: [scales[0], scales.at(-1)], y: [least, most], height, log: [true, true],
-      margin: [38, 8, k ? 32 : 20, 18], parent: column,
+      margin: [38, 8, k ? 32 : 26, 20], parent: column,
         label: k ? "Condition number against the scale" : "Error against the scale" }));
   living.choice("kernel", { label: "kernel", at: "gaussian",
     options: Object.entries(KERNELS).map(([key, k]) => [key, k.text]) });

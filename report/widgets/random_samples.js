@@ -9,7 +9,7 @@ widget("random_samples", living => {
     label: "Random samples and query points in the unit square" });
   const chart = new Panel(living,
     { x: [0, 3], y: [1e-5, 1e2], log: [false, true], width: 360, height: 330,
-    margin: [40, 8, 20, 24], label: "Errors of the draws so far" });
+    margin: [40, 8, 26, 24], label: "Errors of the draws so far" });
   living.slider("power", { label: "power n", least: 1, most: powers, at: 3 });
   living.slider("count", { label: "samples", least: 10, most: 200, step: 5, at: 100 });
   living.state.seed = 1;

@@ -4,7 +4,7 @@ const VANISHES = 1e-9;   // as a fraction of the largest singular value
 
 widget("rank_of_star", living => {
   const { stars } = living.data;
-  const panel = new Panel(living, { x: [-1.3, 1.3], y: [-1.2, 1.2], width: 400, height: 369,
+  const panel = new Panel(living, { x: [-1.3, 1.3], y: [-1.2, 1.2], width: 360, height: 332,
     label: "Triangles around a vertex, the conic through all vertices, and the flow along it" });
   panel.svg.style.maxWidth = "32rem";
   living.state.points = stars[4];
@@ -29,7 +29,7 @@ widget("rank_of_star", living => {
   living.output("flow along the conic through the edges, at most", n => measured(n.leak), "mls");
   living.output("vertices on a conic", n => n.rank < 6 ? "yes" : "no (dashed: nearly)");
   living.output("velocity at the vertex",
-    n => n.determined ? "determined" : "not determined (red: unseen)", "warn");
+    n => n.determined ? "determined" : "not determined (red: a flow that no edge sees)", "warn whole");
 
   return ({ points }) => {
     const n = rankOfStar(points), unseen = n.rank < 6;
@@ -45,7 +45,7 @@ widget("rank_of_star", living => {
         ? panel.arrow(middle(a, b), n.flow(middle(a, b)).map(u => 0.3 * u / speed), "ls") : ""),
       n.determined ? "" : panel.arrow([0, 0], n.unseen.map(u => 0.5 * u), "warn"),
         panel.dot([0, 0], 4, "solid"),
-      points.map((p, k) => panel.text(p, k + 1, "tick", [10, -8])));
+      points.map((p, k) => panel.text(p, k + 1, "middle", outward(p, 18))));
     const { flow, ...numbers } = n;
     return numbers;
   };

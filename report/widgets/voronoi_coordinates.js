@@ -59,10 +59,6 @@ widget("voronoi_coordinates", living => {
     return found;
   };
 
-  // A shift in pixels away from the vertex, for a label whose baseline is below its middle.
-  function outward(p, pixels) { return [0,
-    1].map(k => (k ? 5 : 0) + (k ? -pixels : pixels) * p[k] / Math.hypot(...p)); }
-
   function bar(panel, w, y, look) {
     if (!Number.isFinite(w)) return "";
     const end = Math.max(-0.1, Math.min(1, w));

@@ -6,6 +6,14 @@ from fieldreport import widgets
 from living_page import LivingPage, write_page
 
 PHONE = {"width": 390, "height": 844}
+LETTERS = """() => [...document.querySelectorAll(".living svg text")]
+    .filter(text => text.textContent.trim())
+    .map(text => {
+        const box = text.getBoundingClientRect()
+        const size = parseFloat(getComputedStyle(text).fontSize) * text.getScreenCTM().a
+        return [text.textContent, size, box.left, box.right, box.top, box.bottom]
+    })"""
+"""The texts of the panels, the size of their letters in pixels, and the boxes around them."""
 READABLE = 4.5
 """The least contrast of text with its ground, by the Web Content Accessibility Guidelines."""
 CONTRASTS = """() => {
@@ -85,6 +93,19 @@ def test_all_text_can_be_read(open_page, scheme):
     assert [(c, text) for c, text in found if c < READABLE] == []
 
 
+@pytest.mark.parametrize("viewport", [PHONE, {"width": 1280, "height": 900}])
+def test_letters_of_panels_are_large_and_do_not_touch(open_page, viewport):
+    """Of 11 pixels or more; ticks, titles and labels are apart by what their boxes leave free."""
+    texts = open_page(viewport=viewport).page.evaluate(LETTERS)
+    assert [(text, size) for text, size, *_ in texts if size < 10.9] == []
+    free = 2  # a box contains the space for accents and descenders
+    for k, (one, _, left, right, top, bottom) in enumerate(texts):
+        for other, _, left2, right2, top2, bottom2 in texts[:k]:
+            across = min(right, right2) - max(left, left2)
+            down = min(bottom, bottom2) - max(top, top2)
+            assert across < free or down < free + 1, (one, other)
+
+
 def test_a_handle_follows_the_pointer(open_page):
     living = open_page(viewport={"width": 900, "height": 1400})
     for handle in [h for h in living.controls(".handle") if h.is_visible()]:
@@ -98,8 +119,10 @@ def test_a_handle_follows_the_pointer(open_page):
 
 
 def test_a_handle_follows_a_finger(open_page):
-    """The page does not scroll meanwhile."""
+    """To the end of its way, and the page does not scroll meanwhile."""
     living = open_page(viewport=PHONE, has_touch=True, is_mobile=True)
+    living.page.add_style_tag(content="body { padding-bottom: 3000px }")
+    living.page.evaluate("addEventListener('pointercancel', () => { window.stopped = true; })")
     finger = living.page.context.new_cdp_session(living.page)
 
     def touch(kind, *points):
@@ -111,11 +134,12 @@ def test_a_handle_follows_a_finger(open_page):
         top = living.page.evaluate("scrollY")
         x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
         touch("touchStart", {"x": x, "y": y})
-        for step in (15, 30, 45):  # beyond the slop of a tap
-            touch("touchMove", {"x": x + step, "y": y + step})
+        for step in range(6, 50, 6):  # beyond the slop of a tap
+            touch("touchMove", {"x": x + step / 3, "y": y - step})
         touch("touchEnd")
         assert living.state != before
         assert living.page.evaluate("scrollY") == top
+    assert not living.page.evaluate("window.stopped || false")
 
 
 def test_the_printed_figure_is_one_button_away_and_in_print(open_page):

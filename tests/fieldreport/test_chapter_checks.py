@@ -10,7 +10,7 @@ BOOK = "% the works\n@book{a2000,\n  title = {A}\n}\n@article{b:2001, title = {B
 QUOTABLE = {"waves": {"params.points", "error"}, "new": {"params.seed"}}
 RIGHT = """# Waves {#sec:waves}
 
-The error is {{waves.error:.1e}} with {{waves.params.points:,}} points [@a2000, p. 3; @b:2001],
+The error is {{waves.error:.1e}} with {{waves.params.points}} points [@a2000, p. 3; @b:2001],
 as $\\frac{a}{{b}c}$ in @sec:waves and [-@eq:one], told by a@b.org.
 This is code: `{{ shown }}` and `# no heading`.
 The fact {{new.fact}} is not computed yet.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fieldrecon import RBF, MovingLeastSquares, wendland
-from fieldrecon.datasets.synthetic import halton, power_of_sum
+from fieldrecon.datasets.synthetic import franke, halton, jittered_grid, power_of_sum
 from fieldrecon.kernels.weights import inverse_square
 from fieldreport import experiments
 from fieldreport.experiments.kernels import kernel_comparison
@@ -41,7 +41,7 @@ def shapes():
 @pytest.fixture(scope="module")
 def kernels():
     return experiments.get("kernel_comparison").run(
-        kernel_comparison.Params(sizes=(50, 100, 200), starts=(1000,))
+        kernel_comparison.Params(sizes=(50, 100, 200), parts=1)
     )
 
 
@@ -156,7 +156,7 @@ def test_the_thin_plate_spline_grows_linearly_far_away(kernels):
 
 def test_orders_depend_on_the_sequence_of_points():
     """By more than the digits of one fit; a point in the corner alone changes order and error."""
-    params = kernel_comparison.Params(sizes=(50, 100, 200, 400), starts=(1, 50, 1000))
+    params = kernel_comparison.Params(sizes=(50, 100, 200, 400), parts=8)
     kernels = experiments.get("kernel_comparison").run(params)
     for kernel, smooth in (("linear", 2.5), ("thin_plate", 3.0), ("cubic", 3.4)):
         least, most = (kernels.facts[f"order_{kernel}_{which}"] for which in ("least", "most"))
@@ -164,6 +164,28 @@ def test_orders_depend_on_the_sequence_of_points():
         assert least < smooth < most
     assert kernels.facts["order_cubic_corner"] > kernels.facts["order_cubic_first"] + 0.5
     assert min(kernels.facts[f"corner_gain_{k}"] for k in ("cubic", "multiquadric")) > 2
+
+
+def test_the_parts_of_the_halton_sequence_share_no_point():
+    """A point of two parts would count twice in their median; no part contains the corner."""
+    for params in (kernel_comparison.Params(), kernel_comparison.QUICK):
+        n = params.sizes[-1]
+        x = np.concatenate([halton(start + n, 2)[start:] for start in params.starts])
+        assert len(np.unique(x, axis=0)) == params.parts * n
+        assert np.linalg.norm(x, axis=1).min() > 0
+
+
+def test_errors_below_the_largest_certain_condition_have_their_digits():
+    """Another order of the points is another route, and changes errors of the Gaussian only."""
+    x, queries = halton(801, 2)[1:], halton(300, 2)
+    shuffled = x[np.random.default_rng(0).permutation(len(x))]
+    for name, certain in (("multiquadric", True), ("gaussian", False)):
+        kernel = kernel_comparison.QUICK.kernels[name]
+        fields = [RBF(y, kernel).field(franke(y)) for y in (x, shuffled)]
+        error, again = (np.std(s(queries) - franke(queries)) for s in fields)
+        matrix = kernel_comparison.interpolation_matrix(kernel, x)
+        assert (np.linalg.cond(matrix) < kernel_comparison.CERTAIN) == certain
+        assert (abs(again / error - 1) < 1e-4) == certain
 
 
 def test_smoother_kernels_have_worse_condition(kernels):
@@ -199,6 +221,35 @@ def test_the_gradient_of_the_nearest_samples_jumps():
     assert s(left) == pytest.approx(s(right), abs=1e-6)
     assert abs(s.gradient(left) - s.gradient(right)) > 0.05
     assert abs(s.gradient(left - 0.1) - s.gradient(right - 0.1)) < 1e-5
+
+
+def test_a_finer_grid_finds_no_more_bumps():
+    """The count converges; a grid with one point per ε loses a part of the extrema."""
+    grids = ((1, 5), (3, 10), (5, 15))
+    for ratio in (0.1, 0.5):
+        params = (
+            weight_shapes.Params(
+                draws=1, fine=20, points_per_epsilon=per_epsilon, points_per_spacing=per_spacing
+            )
+            for per_epsilon, per_spacing in grids
+        )
+        coarse, usual, fine = (weight_shapes.bumps_and_errors(p, (ratio, 0))[0] for p in params)
+        assert abs(usual / fine - 1) < 0.05
+        assert coarse < 0.95 * usual
+
+
+def test_curvatures_are_derivatives_of_the_slope():
+    """Of the field and of the truth: by differences along a short line."""
+    params, step = weight_shapes.QUICK, 1e-6
+    sites = jittered_grid(params.side, 2, params.jitter, params.seed)
+    s = weight_shapes._field(params, sites, 0, 0.5)
+    x, ahead = np.random.default_rng(0).random((20, 2)), step * np.array([0.6, 0.8])
+    for gradient, second in (
+        (s.gradient, s.hessian),
+        (franke.gradient, weight_shapes.second_derivatives),
+    ):
+        rise = (gradient(x + ahead) - gradient(x - ahead)) / (2 * step)
+        np.testing.assert_allclose(second(x) @ ahead / step, rise, atol=1e-5 * abs(rise).max())
 
 
 def test_bumps_occur_with_either_basis():

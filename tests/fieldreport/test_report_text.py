@@ -1,6 +1,7 @@
 """The text of the report: numbering in both outputs, quoted facts, and reported errors."""
 
 import html
+import json
 import re
 import shutil
 
@@ -56,11 +57,11 @@ WHOLE = r"""# First {#sec:first}
 See [@fig:bumps; @fig:far], @tbl:errors, @tbl:which, @eq:one, [-@eq:two], @sec:first, @sec:inner,
 @app:more, @thm:one, [@exr:one]{.with-page}, @lst:one and [@wendland2005, chapter 8].
 
-Prose: {{bumps.small:.1e}}, {{bumps.ratio:.1f}}, {{bumps.count:,}}, {{bumps.rounding:.0e}},
+Prose: {{bumps.small:.1e}}, {{bumps.ratio:.1f}}, {{bumps.count}}, {{bumps.rounding:.0e}},
 {{bumps.word}}, {{bumps.order_one:.0e}}, {{bumps.one_digit:.0e}},
-{{bumps.params.powers}}, {{bumps.large:,.1f}},
-{{bumps.ratio:.0%}}. Math: $a = {{bumps.small:.1e}}$,
-$b = {{bumps.count:,}}$, $c = {{bumps.rounding:.0e}}$, $d = {{bumps.params.epsilon}}$. Code:
+{{bumps.params.powers}}, {{bumps.large:.1f}},
+{{bumps.ratio:.0%}}. Length {{bumps.params.points}} m. Math: $a = {{bumps.small:.1e}}$,
+$b = {{bumps.count}}$, $c = {{bumps.rounding:.0e}}$, $d = {{bumps.params.epsilon}}$. Code:
 `{{bumps.small:.1e}}`.
 
 $$ \mathbf{B} \mathbf{c} = \nabla \phi $$ {#eq:one}
@@ -69,7 +70,7 @@ $$ \bigcap_i \lVert x_i \rVert $$ {#eq:two}
 
 ## Inner {#sec:inner}
 
-![Bumps, {{bumps.count:,}} of them.](bumps.svg){#fig:bumps
+![Bumps, {{bumps.count}} of them.](bumps.svg){#fig:bumps
 alt="Bumps at {{bumps.small:.1e}} < 1 and \"so\" on the left."}
 
 ![Bumps far away.](bumps_far.svg){#fig:far alt="Bumps that lie far away to the right."}
@@ -292,10 +293,12 @@ def test_internal_links_have_targets(page, typ):
 
 
 def test_numbers_in_prose_are_formatted(page):
-    """Minus signs, thousands separators and percentages; tuples are shown as lists."""
+    """Minus signs, separators from 1,000 on, and percentages; tuples are shown as lists."""
     shown = words(page)
-    for text_ in ("−2.5, 12,345,", ", 1, 2, 3, 4, 5, 6, 7, 8, 123,456.8, −250%"):
+    for text_ in ("−2.5, 12,345,", ", 1, 2, 3, 4, 5, 6, 7, 8, 123,456.8, −250 %"):
         assert text_ in shown
+    for kept_together in ("250\xa0%", "1,000\xa0m."):
+        assert kept_together in html.unescape(page)
     assert "{{bumps.small:.1e}}" in shown  # in code
     assert shown.count("{{") == 1
 
@@ -304,9 +307,10 @@ def test_powers_of_ten_are_set_as_mathematics(page, typ):
     """0.0012 as .1e reads 1.2 × 10⁻³; one digit 1 × 10⁻⁴, an order of magnitude 10⁻⁴."""
     tex = re.findall(r'<annotation encoding="application/x-tex">(.*?)</annotation>', page)
     assert tex.count(r"1.2 \times 10^{-3}") == 3  # in prose and in two tables
-    assert {"a = 1.2 \\times 10^{-3}", "b = 12{,}345", "c = 10^{-16}", "10^{-16}"} <= set(tex)
+    assert {"a = 1.2 \\times 10^{-3}", r"b = \text{12,345}", "c = 10^{-16}", "10^{-16}"} <= set(tex)
     assert {"d = 10^{-5}", r"1 \times 10^{-4}", "1"} <= set(tex)
     assert "1.2 times 10^(- 3)" in typ
+    assert '"12,345"' in typ  # Typst would set a space behind a comma of mathematics
 
 
 def test_figures_have_alternative_texts_and_their_origin(page, typ):
@@ -317,9 +321,10 @@ def test_figures_have_alternative_texts_and_their_origin(page, typ):
     alt = 'Bumps at 1.2 × 10⁻³ < 1 and "so" on the left.'
     assert alt in [html.unescape(a) for a in re.findall(r'aria-label="([^"]*)"', page)]
     assert 'alt: "{}"'.format(alt.replace('"', r"\"")) in typ
-    origin = "Experiment bumps: points = 1000; epsilon = ; powers = 1, 2, …, 8."
+    origin = "Experiment bumps: points = 1,000; epsilon = ; powers = 1, 2, …, 8."
     assert words(page).count(origin) == 3
     assert page.count('<details class="provenance"><summary>Experiment ') == 3
+    assert page.count('<span class="colon">:</span></summary>') == 3  # not shown when folded
     origins = re.findall(r"#provenance\[.*", typ)
     assert len(origins) == 4
     assert [("#page-of(<experiment-bumps>)" in x, "points" in x) for x in origins[:3]] == [
@@ -360,6 +365,21 @@ def test_in_print_a_page_may_begin_below_a_formula_that_ends_a_sentence(text):
     assert inside.count("#whole[") == 3
 
 
+@pytest.mark.slow
+def test_in_print_a_page_may_begin_between_items_of_a_long_list(text):
+    """A short list stays whole, and so does each item of a long one."""
+    for words_, blocks in ((5, 1), (80, 3)):
+        item = "- " + "word " * words_ + "\n"
+        printed = text.convert("# A {#sec:a}\n\n" + 3 * item)["print"]
+        assert printed.count("#whole[") == blocks
+
+
+@pytest.mark.slow
+def test_in_print_no_line_ends_within_a_unit(text):
+    printed = text.convert("# A {#sec:a}\n\nAt 254 m/s, or 0.4 kg/m³, in m and s.\n")["print"]
+    assert re.findall(r"#box\[(.*?)\]", printed.partition("sec:a")[2]) == ["m/s,", "kg/m³,"]
+
+
 def test_typst_code_from_pandoc_is_corrected(typ):
     """Names that Typst has removed do not occur; formulas have their TeX as alternative text."""
     assert "sect" not in re.sub(
@@ -386,6 +406,16 @@ def test_formulas_on_the_page_keep_their_primes_and_punctuation(text):
     whole = re.findall(r'<span class="unbroken">(.*?)</span>', page, flags=re.S)
     plain = [re.sub(r"<annotation.*?</annotation>|<[^>]*>", "", part) for part in whole]
     assert plain == ["f′1,", "(s″=0),"]
+
+
+@pytest.mark.slow
+def test_bars_parentheses_and_functions_of_printed_formulas_have_no_gaps(text):
+    """Typst sets a space inside bars of text, and between a word and its argument."""
+    body = r"Let $\lvert S\rvert = 1$, $\operatorname{rank}(B)$ and $\bigl( a \bigr)$."
+    printed = text.convert(f"# A {{#sec:a}}\n\n{body}\n")["print"]
+    assert "$lr(|S|) = 1$" in printed
+    assert r'$op("rank") \( B \)$' in printed
+    assert r"[\(]a#scale" in printed
 
 
 def test_the_template_defines_no_name_of_a_typst_symbol():
@@ -511,6 +541,78 @@ def test_a_part_with_more_pages_than_its_heading_allows_stops_the_build(text):
                 typeset(source, text.document.out)
         else:
             assert typeset(source, text.document.out).startswith(b"%PDF")
+
+
+FLOAT = """
+#floating(<sec:first>)[#figure(rect(height: HEIGHT), kind: table, caption: [Wide.<caption>])<wide>]
+"""
+NEARLY_FULL = f"""
+#pagebreak() #lorem(420) {FLOAT.replace("HEIGHT", "110mm")} {FLOAT}
+#block[#whole[#lorem(250)] #whole[#lorem(80)]]
+"""
+LONG_PROOF = f"""
+#v(100mm) {FLOAT.replace("HEIGHT", "60mm")}
+#block[#statement("proof")[#whole[#lorem(220)] FLOAT #whole[#lorem(220)]<conclusion>]]
+"""
+
+
+@pytest.fixture
+def typeset_with(text):
+    """Typeset a first chapter followed by Typst code; return the path of the source."""
+
+    def typeset_with(code):
+        source = text.document.out / "floats.typ"
+        source.write_text(text.convert("# First {#sec:first}")["print"] + code)
+        assert typeset(source, text.document.out).startswith(b"%PDF")
+        return source
+
+    return typeset_with
+
+
+def position(source, label):
+    """Page and height of a label in the PDF."""
+    found = source.with_name("position.typ")
+    found.write_text(f"{source.read_text()}\n#context [#metadata(locate({label}).position())<at>]")
+    at = json.loads(typst.query(str(found), "<at>", field="value", one=True))
+    return at["page"], float(at["y"].removesuffix("pt"))
+
+
+@pytest.mark.slow
+def test_a_paragraph_for_which_floats_leave_no_room_stops_the_build(typeset_with):
+    """Two floats leave too little of a page for the next paragraph, or enough."""
+    typeset_with(NEARLY_FULL.replace("HEIGHT", "60mm"))
+    with pytest.raises(BuildError, match=r"page \d: floats leave too little room for a paragraph"):
+        typeset_with(NEARLY_FULL.replace("HEIGHT", "100mm"))
+
+
+@pytest.mark.slow
+def test_a_float_is_above_the_text_of_its_page_but_not_above_its_chapter(typeset_with):
+    """On later pages the float is at the top, although it is called below two paragraphs."""
+    called = "#lorem(90)\n\n" + FLOAT.replace("HEIGHT", "60mm") + "#lorem(90)<after>\n"
+    opening = typeset_with(called)
+    assert position(opening, "<after>") < position(opening, "<caption>")
+    later = typeset_with("#pagebreak()\n#lorem(20)<before>\n\n" + called)
+    assert position(later, "<caption>") < position(later, "<before>")
+
+
+@pytest.mark.slow
+def test_the_caption_of_a_long_table_is_on_the_page_of_its_first_row(typeset_with):
+    """Little room is left on the page of the heading; the caption would fit there alone."""
+    rows = "[#metadata(none)<row> first], " + "[next], " * 50
+    table = f"figure(table({rows}), kind: table, caption: [Long.<caption>])"
+    source = typeset_with(f"#pagebreak() #block(height: 226mm)[Full.] #long-table[#{table}]")
+    assert position(source, "<caption>")[0] == position(source, "<row>")[0]
+
+
+@pytest.mark.slow
+def test_a_long_proof_is_divided_between_paragraphs_but_not_by_a_float(typeset_with):
+    """A proof that fits is not divided."""
+    divided = typeset_with(LONG_PROOF.replace("FLOAT", ""))
+    assert position(divided, "<proof>")[0] < position(divided, "<conclusion>")[0]
+    short = typeset_with(LONG_PROOF.replace("FLOAT", "").replace("220", "90"))
+    assert position(short, "<proof>")[0] == position(short, "<conclusion>")[0]
+    with pytest.raises(BuildError, match=r"page \d: a figure or table is printed within a proof"):
+        typeset_with(LONG_PROOF.replace("FLOAT", "#figure(rect(), caption: [Inside.])"))
 
 
 @pytest.mark.slow

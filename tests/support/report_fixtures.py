@@ -64,12 +64,12 @@ def plot(result):
 
 CHAPTER = """# Beginning {{#sec:beginning}}
 
-The error is {{{{fake_a.small:.1e}}}} with {{{{fake_a.params.points:,}}}} points,
+The error is {{{{fake_a.small:.1e}}}} with {{{{fake_a.params.points}}}} points,
 see @fig:a, @tbl:errors and [@eq:one].
 
-$$ \\varepsilon = {{{{fake_a.small:.1e}}}}, \\quad n = {{{{fake_a.params.points:,}}}} $$ {{#eq:one}}
+$$ \\varepsilon = {{{{fake_a.small:.1e}}}}, \\quad n = {{{{fake_a.params.points}}}} $$ {{#eq:one}}
 
-![The square, of {{{{fake_a.count:,}}}} points.](fake_a.svg){{#fig:a
+![The square, of {{{{fake_a.count}}}} points.](fake_a.svg){{#fig:a
 alt="A parabola that rises from zero to one,
 with error {{{{fake_a.small:.1e}}}}."}}
 

@@ -10,6 +10,12 @@ function svgElement(tag, attributes = {}, parent = null) {
   return made;
 }
 
+// A shift in pixels away from the origin, for a label whose baseline is below its middle.
+function outward([x, y], pixels) {
+  const size = Math.hypot(x, y);
+  return [pixels * x / size, 5 - pixels * y / size];
+}
+
 class Panel {
   // x and y are the intervals that the panel shows; margin is [left, right, top, bottom].
   constructor(living, { x, y, label, width = 360, height = 300, margin = [8, 8, 8, 8],
@@ -83,14 +89,14 @@ class Panel {
     const marks = [`<path class="axis" d="M${left},${high}V${low}H${this.width - right}"/>`];
     for (const x of xTicks)
       marks.push(`<path class="grid" d="M${this.px(x).toFixed(2)},${low}V${high}"/>`,
-        `<text class="tick middle" x="${this.px(x).toFixed(2)}" y="${low + 14}">${xText(x)}</text>`);
+        `<text class="tick middle" x="${this.px(x).toFixed(2)}" y="${low + 15}">${xText(x)}</text>`);
     for (const y of yTicks)
       marks.push(`<path class="grid" d="M${left},${this.py(y).toFixed(2)}H${this.width - right}"/>`,
-        `<text class="tick last" x="${left - 4}" y="${(this.py(y) +
+        `<text class="tick last" x="${left - 6}" y="${(this.py(y) +
           4).toFixed(2)}">${yText(y)}</text>`);
     marks.push(`<text class="tick middle" x="${(left +
       this.width - right) / 2}" y="${this.height - 3}">${xLabel}</text>`,
-      `<text class="tick" x="2" y="${high - 6}">${yLabel}</text>`);
+      `<text class="tick" x="2" y="${high - 11}">${yLabel}</text>`);
     return marks;
   }
 
@@ -125,6 +131,8 @@ class Panel {
       knob.focus({ preventScroll: true });
       event.preventDefault();
     });
+    // Otherwise a finger that moves a handle scrolls the page; `touch-action` does not apply within SVG.
+    knob.addEventListener("touchstart", event => event.preventDefault(), { passive: false });
     knob.addEventListener("pointermove",
       event => { if (knob.hasPointerCapture(event.pointerId)) follow(event); });
     const ways = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };

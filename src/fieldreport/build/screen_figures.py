@@ -33,6 +33,8 @@ OF_PAGE: Final = {"#000000": "var(--ink, #000)", "#ffffff": "var(--paper, #fff)"
 """Colours that are those of the page."""
 ON_MAP: Final = ("#010101", "#fefefe")
 """`BLACK_ON_MAP` and `WHITE_ON_MAP` of the style, which imports NumPy; they stay."""
+SOLID: Final = "#e9e9e9"
+"""The ground of a solid body, which is no amount on a map and becomes dark on a dark page."""
 MOST_COLORS: Final = 20
 """More colours in one figure stand for amounts, and stay."""
 COLOR_BAR: Final = 'id="QuadMesh_'
@@ -158,6 +160,8 @@ def themed(svg: str) -> str:
     '<g id="QuadMesh_1"><path style="fill: #5f1049"/>'
     >>> themed('style="stroke: #010101"')  # black on a map
     'style="stroke: #010101"'
+    >>> themed('<g id="QuadMesh_1"/><g style="fill: #e9e9e9"/>')  # a body in a map
+    '<g id="QuadMesh_1"/><g style="fill: var(--ce9e9e9, #e9e9e9)"/>'
     """
     amounts = COLOR_BAR in svg or len(set(COLOR.findall(svg))) > MOST_COLORS
     return COLOR.sub(lambda color: themed_color(color[0], amounts=amounts), svg)
@@ -167,7 +171,7 @@ def themed_color(color: str, *, amounts: bool) -> str:
     """Return the value of a colour on a page; light ones and amounts have no name."""
     if color in OF_PAGE:
         return OF_PAGE[color]
-    stays = amounts or color in ON_MAP or dark_color(color) == color
+    stays = (amounts and color != SOLID) or color in ON_MAP or dark_color(color) == color
     return color if stays else f"var(--c{color[1:]}, {color})"
 
 

@@ -54,7 +54,7 @@ def order(sizes: ArrayLike, errors: ArrayLike) -> float:
         raise ValueError(
             f"an order of convergence needs two different sizes or more; got {_listed(sizes)}"
         )
-    return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0].round(12))
+    return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0].round(12)) + 0.0  # never -0.0
 
 
 def _listed(values: np.ndarray) -> str:

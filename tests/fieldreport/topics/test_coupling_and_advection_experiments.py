@@ -158,3 +158,26 @@ def test_the_adaptive_sites_do_not_depend_on_rounding(monkeypatch, shift):
         counts, error, _ = adaptive_front.carried(params, 0)
         found.append((*counts, round(error, 9)))
     assert (len(set(found)) == 1) == (shift > 0)
+
+
+@pytest.mark.slow
+def test_steps_in_the_disc_are_nearly_stable_and_not_strictly():
+    """The spectral radius agrees with the growth of the norms of high powers."""
+    params = advection.Params()
+    radius = advection.radius_of_rotated(params, 60.0)
+    assert 1e-4 < radius - 1 < 1e-2
+    assert radius == pytest.approx(growth_of_powers(params, 60.0), rel=1e-6)
+    assert advection.radius_of_rotated(params, 360.0) == pytest.approx(
+        advection.spectral_radius(advection.step_matrix(params, advection.disc(params.powers))),
+        rel=1e-9,
+    )
+
+
+def growth_of_powers(params: advection.Params, degrees: float, squarings: int = 16) -> float:
+    """Return ‖H^2k‖ / ‖H^k‖ per step, k = 2^squarings: it tends to the spectral radius."""
+    turn = np.exp(1j * np.deg2rad(degrees))
+    z = (advection.disc(params.powers) - 0.5) @ [1, 1j] * turn
+    h = advection.step_matrix(params, 0.5 + np.column_stack([z.real, z.imag]))
+    for _ in range(squarings):
+        h = h @ h
+    return (np.linalg.norm(h @ h, 2) / np.linalg.norm(h, 2)) ** (1 / 2**squarings)

@@ -5,10 +5,13 @@ from functools import partial
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
+from matplotlib.patches import Circle
 
 from checkout import ROOT
 from fieldrecon.velocity.vertices import divergence, normal_velocities, vertex_velocities
 from fieldreport import experiments
+from fieldreport.build.screen_figures import OF_PAGE
 from fieldreport.experiments.velocity import fluid_frame
 from fieldreport.experiments.velocity.fluid_frame import exact_streamline, traced_streamlines
 from fieldreport.experiments.velocity.potential_flow import (
@@ -237,6 +240,15 @@ def test_a_wrong_sign_of_one_flux_is_detected():
     assert np.count_nonzero(np.abs(divergence(mesh, wrong)) > 1e-6) == 2
     change = vertex_velocities(mesh, wrong).values - vertex_velocities(mesh, v).values
     assert np.linalg.norm(change[mesh.faces[inner]], axis=1).min() > 0.02
+
+
+@pytest.mark.slow
+def test_the_cylinder_has_the_colour_of_the_page_in_all_figures(found):
+    """Beside a map of colours a grey would stay as light on a dark page as on a white one."""
+    for draw in (fluid_frame.plot, fluid_frame.plot_data):
+        bodies = [p for a in draw(found).axes for p in a.patches if isinstance(p, Circle)]
+        assert bodies
+        assert {to_hex(body.get_facecolor()) for body in bodies} <= set(OF_PAGE)
 
 
 def test_the_listing_of_the_chapter_runs():

@@ -5,7 +5,18 @@ from dataclasses import replace
 import pytest
 
 from fieldreport.experiments import get
-from fieldreport.experiments.methods.peers import LIBRARIES, NONE, MethodRun, looks, run, uncovered
+from fieldreport.experiments.methods.peers import (
+    CHOSEN,
+    KRIGING,
+    LIBRARIES,
+    LINEAR,
+    NONE,
+    MethodRun,
+    looks,
+    on_surveys,
+    run,
+    uncovered,
+)
 
 PARAMS = get("peers").defaults
 
@@ -73,3 +84,20 @@ def test_each_method_has_its_own_colour_and_marker():
     drawn = looks(methods).values()
     assert len({(look["color"], look["marker"]) for look in drawn}) == len(methods)
     assert len({color for color, _ in LIBRARIES.values()}) == len(LIBRARIES)
+
+
+def test_on_a_survey_the_chosen_method_is_compared_with_the_best_complete_run():
+    """Other methods of ours and runs that leave out queries are not the best peer."""
+    small = {CHOSEN: 2.0, KRIGING: 3.0, "SciPy RBF": 1.5, LINEAR: 1.2, "fieldrecon RBF": 1.0}
+    large = {CHOSEN: 4.0, "SciPy RBF": 5.0}
+    runs = [
+        timed(method, 0.5, error, sites)._replace(
+            data=f"survey {sites}", left_out=7 * (method == LINEAR)
+        )
+        for sites, errors in ((100, small), (9999, large))
+        for method, error in errors.items()
+    ]
+    assert on_surveys(runs).rows == (
+        ("survey 100", 100, 2.0, 0.5, "SciPy RBF", 0.75, 0.6, 1.5),
+        ("survey 9999", 9999, 4.0, 0.5, "SciPy RBF", 1.25, NONE, NONE),
+    )

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import monomials
-from fieldrecon.velocity.vertices import normal_velocities
+from fieldrecon.velocity.vertices import normal_velocities, velocity_weights, vertex_velocities
 from fieldreport import experiments
 from fieldreport.experiments.meshes.reference_flows import (
     jittered_cube,
@@ -188,6 +189,24 @@ def test_narrow_weights_cost_noise(refined):
     error = np.array(refined.tables["weights"].column("error"))
     assert np.all(np.diff(noise) > 0)
     assert error.max() / error.min() < 1.5
+
+
+def test_vertices_that_take_other_edges_have_the_largest_noise_with_equal_weights():
+    """They are a part of its mean square, not the most of it, and reverse the comparison."""
+    params = replace(module.QUICK, weights_side=32, ratios=(1.0,))
+    rows, facts = module._compared_weights(params)
+    assert rows[1][4] < 1 < rows[1][5]
+    mesh = jittered_cube(32, 2, params.jitter, params.seed)
+    noise, rings = [], []
+    for weight in (None, inverse_square(1 / 32)):
+        x, y = velocity_weights(mesh, weight)
+        noise.append(x.power(2).sum(axis=1) + y.power(2).sum(axis=1))
+        rings.append(vertex_velocities(mesh, np.zeros(len(mesh.faces)), weight).rings)
+    others = np.flatnonzero(rings[0] != rings[1])
+    assert set(others) == set(np.argsort(noise[0])[-len(others) :])
+    share = noise[0][others].sum() / noise[0].sum()
+    assert 0.1 < share < 0.5
+    assert facts["share_with_other_edges"] == pytest.approx(share, rel=1e-9)
 
 
 # --- in space -----------------------------------------------------------------------------------

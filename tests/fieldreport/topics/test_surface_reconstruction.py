@@ -13,11 +13,11 @@ def test_synthetic_scans_have_the_named_defects():
     """Noise moves points, shadows and holes remove points, and outliers lie apart."""
     scans = experiment.damaged(1000, 0.3, seed=1)
     off = {name: np.abs(scan.body(scan.points)) for name, scan in scans.items()}
-    assert off["as drawn"].max() < 1e-9
+    assert off["exact points"].max() < 1e-9
     assert off["with noise"].max() > 0.02
     assert 0.6 * 1000 < len(scans["in shadow"].points) < 0.95 * 1000
     assert len(scans["with holes"].points) < 950
-    assert 1 < (off["with strays and copies"] > 0.1).sum() <= 20
+    assert 1 < (off["with outliers and duplicates"] > 0.1).sum() <= 20
     assert scans["two bodies"].body([0.0, 0.0, 0.9]) == pytest.approx(0.4)
 
 

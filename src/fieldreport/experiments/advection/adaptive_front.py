@@ -97,8 +97,8 @@ def run(params: Params, each: Map = map) -> Result:
     jobs = (0, *params.fixed)
     found = list(each(partial(carried, params), jobs))
     counts, error, frames = found[0]
-    rows = [("follow", int(counts.mean()), error)]
-    rows += [("stay", n, e) for n, (_, e, _) in zip(params.fixed, found[1:], strict=True)]
+    rows = [("adaptive", int(counts.mean()), error)]
+    rows += [("fixed", n, e) for n, (_, e, _) in zip(params.fixed, found[1:], strict=True)]
     stay = np.array([e for _, e, _ in found[1:]])
     facts: dict[str, Cell] = {
         "mean_sites": float(counts.mean()),

@@ -28,14 +28,16 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import FULL_WIDTH, SEQUENTIAL, figure, line
 from fieldreport.framework.error_measures import order, rms
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.orders_of_magnitude import floored
 from fieldreport.framework.parameters import Parameters, parameter
 
 DISC, CONE, HUMP = np.array([[0.5, 0.75], [0.5, 0.25], [0.25, 0.5]])
 RADIUS = 0.15
+ROUNDING = 1e-12
 VARIANTS: dict[str, dict[str, bool]] = {
-    "free": {"bounded": False, "massive": False},
-    "bounded": {"bounded": True, "massive": False},
-    "bounded, with its mass": {"bounded": True, "massive": True},
+    "without bounds": {"bounded": False, "massive": False},
+    "with bounds": {"bounded": True, "massive": False},
+    "with bounds and mass": {"bounded": True, "massive": True},
 }
 
 
@@ -63,6 +65,13 @@ class Params(Parameters):
         order="increasing",
     )
     powers: int = parameter(700, "sites of the matrix whose powers are computed", least=50)
+    angles: tuple[float, ...] = parameter(
+        (15.0, 30.0, 45.0, 60.0, 75.0),
+        "degrees by which these sites are rotated relative to the patches",
+        least=0,
+        most=360,
+        order="increasing",
+    )
     grid: int = parameter(120, "points along a side of the pictures", least=5)
 
 
@@ -74,8 +83,12 @@ QUICK = Params(
     counts=(300, 600),
     divisions=(4, 8),
     powers=100,
+    angles=(60.0,),
     grid=20,
 )
+
+
+DIGITS = {"excess_disc": 3, "excess_rotated": 3, "growth_per_revolution": 3}
 
 
 def disc(n: int) -> np.ndarray:
@@ -117,12 +130,13 @@ def method_on(x: np.ndarray) -> PartitionOfUnityRBF:
 
 def run(params: Params, each: Map = map) -> Result:
     """Rotate, deform, refine."""
-    jobs = [(flow, variant) for flow in ("turn", "deformation") for variant in VARIANTS]
+    jobs = [(flow, variant) for flow in ("rotation", "deformation") for variant in VARIANTS]
     told = dict(zip(jobs, each(partial(carried, params), jobs), strict=True))
     time_jobs = [(scheme, k) for scheme in SCHEMES for k in params.divisions]
     in_time = np.reshape(list(each(time_error, time_jobs)), (len(SCHEMES), -1))
     in_space = np.array(list(each(space_error, params.counts)))
     norms, radii = norms_of_powers(params)
+    rotated = np.array(list(each(partial(radius_of_rotated, params), params.angles)))
     x = (np.arange(params.grid) + 0.5) / params.grid
     arrays = {"x": x}
     for (flow, variant), (history, frames) in told.items():
@@ -132,7 +146,8 @@ def run(params: Params, each: Map = map) -> Result:
     return Result(
         params=params,
         tables={"errors": _table(told)},
-        facts=_facts(params, told, in_time, in_space, norms, radii),
+        facts=_facts(params, told, in_time, in_space, norms, radii)
+        | _growth_facts(params.steps, radii[0], rotated),
         arrays=arrays,
     )
 
@@ -144,7 +159,7 @@ def carried(params: Params, job: tuple[str, str]) -> tuple[np.ndarray, np.ndarra
     g, g) show the three shapes together at the beginning, in the middle and at the end.
     """
     flow, variant = job
-    turn = flow == "turn"
+    turn = flow == "rotation"
     x = disc(params.sites) if turn else halton(params.deformed_sites, 2)
     steps = params.steps if turn else params.deformed_steps
     velocity: Velocity = turning if turn else partial(deforming, params.period)
@@ -215,9 +230,8 @@ def norms_of_powers(params: Params) -> tuple[np.ndarray, np.ndarray]:
     """
     norms, radii = np.full((2, 11), 1e9), np.empty(2)
     for k, x in enumerate((disc(params.powers), halton(params.powers, 2))):
-        feet = departure_points(x, turning, 1 / params.steps, 1 / params.steps)
-        h = method_on(x).weights(feet) @ np.eye(len(x))
-        radii[k] = np.abs(np.linalg.eigvals(h)).max()
+        h = step_matrix(params, x)
+        radii[k] = spectral_radius(h)
         for power in range(11):
             found = float(np.linalg.norm(h, 2))
             if found > 1e9:
@@ -225,6 +239,27 @@ def norms_of_powers(params: Params) -> tuple[np.ndarray, np.ndarray]:
             norms[k, power] = found
             h = h @ h
     return norms, radii
+
+
+def radius_of_rotated(params: Params, degrees: float) -> float:
+    """Return the spectral radius of one step in the disc if the sites are rotated.
+
+    The patches of the method have the directions of the axes, so each has other sites.
+    """
+    c, s = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    x = 0.5 + (disc(params.powers) - 0.5) @ np.array([[c, s], [-s, c]])
+    return spectral_radius(step_matrix(params, x))
+
+
+def step_matrix(params: Params, x: np.ndarray) -> np.ndarray:
+    """Return the matrix H of one step of the rotation, dense."""
+    feet = departure_points(x, turning, 1 / params.steps, 1 / params.steps)
+    return method_on(x).weights(feet) @ np.eye(len(x))
+
+
+def spectral_radius(h: np.ndarray) -> float:
+    """Return the largest modulus of the eigenvalues."""
+    return float(np.abs(np.linalg.eigvals(h)).max())
 
 
 def _table(told: dict[tuple[str, str], tuple[np.ndarray, np.ndarray]]) -> ResultTable:
@@ -254,28 +289,37 @@ def _facts(
         "order_in_space": order(h, in_space),
         "largest_power": 2 ** (norms.shape[1] - 1),
         "largest_norm_disc": float(norms[0].max()),
-        "radius_disc": float(radii[0]),
         "radius_square": float(radii[1]),
     }
-    histories = {variant: told["turn", variant][0] for variant in VARIANTS}
+    histories = {variant: told["rotation", variant][0] for variant in VARIANTS}
     for name, history in zip(("free", "bounded", "kept"), histories.values(), strict=True):
         facts[f"{name}_disc_error"] = history[-1, 0, 1]
         facts[f"{name}_cone_most"] = history[-1, 1, 3]
         facts[f"{name}_hump_error"] = history[-1, 2, 0]
-    facts["least"] = histories["free"][:, 0, 2].min()
-    facts["most"] = histories["free"][:, 0, 3].max()
-    back = told["deformation", "free"][0]
+    facts["least"] = histories["without bounds"][:, 0, 2].min()
+    facts["most"] = histories["without bounds"][:, 0, 3].max()
+    back = told["deformation", "without bounds"][0]
     facts["deformed_hump_error"] = back[-1, 2, 0]
     return facts
 
 
+def _growth_facts(steps: int, radius: float, rotated: np.ndarray) -> dict[str, Cell]:
+    """Excess of the spectral radius over one: of the sites, and the largest if they are rotated."""
+    most = rotated.max()
+    return {
+        "excess_disc": floored(radius - 1, ROUNDING),
+        "excess_rotated": floored(most - 1, ROUNDING),
+        "growth_per_revolution": round(max(most, 1.0) ** steps - 1, 6),
+    }
+
+
 VARIANT_STYLES = ("RBF", "LS", "MLS")
-VARIANT_NAMES = ("free", "bounded", "bounded, with its mass")
+VARIANT_NAMES = tuple(VARIANTS)
 
 
 def plot(result: Result) -> Figure:
     """The initial shapes, and after one revolution without and with the limiter."""
-    free, kept = result.arrays["turn_0_frames"], result.arrays["turn_2_frames"]
+    free, kept = result.arrays["rotation_0_frames"], result.arrays["rotation_2_frames"]
     titles = ("initial, exact", "after one revolution", "with bounds and mass")
     return _maps(result, (free[-1], kept[-1]), titles)
 
@@ -322,7 +366,7 @@ def plot_history(result: Result) -> Figure:
     """Extrema and mass of the slotted disc over one revolution."""
     with figure(FULL_WIDTH, height=2.6, columns=2) as (page, axes):
         for k, (name, style) in enumerate(zip(VARIANT_NAMES, VARIANT_STYLES, strict=True)):
-            history = result.arrays[f"turn_{k}_history"][:, 0]
+            history = result.arrays[f"rotation_{k}_history"][:, 0]
             turn = np.linspace(0, 1, len(history))
             look = line(style, label=name, marker="")
             axes[0].plot(turn, history[:, 3], **look)
@@ -354,7 +398,7 @@ def plot_orders(result: Result) -> Figure:
         h = np.array(p.counts) ** -0.5
         axes[1].plot(h, result.arrays["in_space"], **line("PU", label=None))
         axes[1].set(
-            xlabel=r"spacing $1000\,n^{-1/2}$",
+            xlabel="spacing $n^{-1/2}$, in thousandths",
             title="error of a smooth hump",
             xscale="log",
             yscale="log",
@@ -365,8 +409,8 @@ def plot_orders(result: Result) -> Figure:
             ("disc", "square"), ("MLS", "LS"), result.arrays["norms"], strict=True
         ):
             axes[2].plot(k, row, **line(style, label=name))
-        axes[2].set(xlabel="power $k$", title=r"$\|H^k\|$", xscale="log", yscale="log")
-        axes[2].set_ylim(1, 1e7)
+        axes[2].set(xlabel="power $k$", title="norm of $H^k$", xscale="log", yscale="log")
+        axes[2].set_ylim(1, 5e7)
         axes[2].legend()
         for panel in axes[:2]:
             panel.minorticks_off()

@@ -33,12 +33,13 @@ from fieldrecon.advection.incompressible import (
     flow_energy,
 )
 from fieldrecon.datasets.synthetic import halton
+from fieldrecon.fields import Field
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.plotting.style import FULL_WIDTH, figure, line
-from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.reconstruction import Reconstruction
 from fieldrecon.velocity.vertices import divergence, vertex_velocities
 from fieldreport.framework.error_measures import order_of_magnitude, rms
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable

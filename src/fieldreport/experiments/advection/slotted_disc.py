@@ -110,6 +110,10 @@ def run(params: Params, each: Map = map) -> Result:
         "smallest_of_best": float((signs / best).min()),
         "order": order(steps, signs),
         "published_order": order(steps, best),
+        "area_coarsest": masses[0],
+        "area_published_coarsest": PUBLISHED["CIP"][1][0],
+        "area_finest": masses[-1],
+        "area_published_finest": PUBLISHED["CIP"][1][levels[-1]],
     }
     frames = {f"frame_{k}": frame for k, (_, _, frame) in enumerate(found)}
     return Result(
@@ -151,7 +155,7 @@ def plot(result: Result) -> Figure:
             x, y = DISC[0] + at, DISC[1] + at
             panel.contourf(x, y, field, [-1, 0], colors=["#a9cbe6"])
             panel.plot(*result.arrays["rim"].T, color="#c48600", linewidth=0.9)
-            panel.set(title=f"{sites_of(k)} sites", aspect="equal")
+            panel.set(title=f"{sites_of(k):,} sites", aspect="equal")
             panel.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
             panel.set_axis_off()
     return page

@@ -95,9 +95,9 @@ def stars_of(params: Params) -> dict[str, Star]:
     on_edge, (x, y) = 360 / params.steps, params.center
     return {
         "regular hexagon": hexagon(),
-        f"turned by {params.turn:g}°": hexagon(params.turn),
-        f"moved to ({x:g}, {y:g})": hexagon(0.0, params.center),
-        f"moved, and turned by {on_edge:g}°": hexagon(on_edge, params.center),
+        f"rotated by {params.turn:g}°": hexagon(params.turn),
+        f"shifted to ({x:g}, {y:g})".replace("-", "−"): hexagon(0.0, params.center),
+        f"shifted, and rotated by {on_edge:g}°": hexagon(on_edge, params.center),
         "at random in the plane": at_random(params.scattered, 2, params.seed),
         "icosahedron": icosahedron(),
         "at random in space": at_random(params.scattered, 3, params.seed),
@@ -354,8 +354,8 @@ def plot(result: Result) -> Figure:
     arrays = result.arrays
     with figure(FULL_WIDTH, height=5.0, rows=2, columns=2) as (page, axes):
         asked, middle, moved, space = axes.flat
-        points = _draw_star(asked, "as asked", arrays, "asked")
-        _draw_star(middle, "as asked, the middle enlarged", arrays, "asked")
+        points = _draw_star(asked, "regular hexagon", arrays, "asked")
+        _draw_star(middle, "centre of the regular hexagon", arrays, "asked")
         s = arrays["asked_spiral"]
         reach = 1.15 * np.abs(s[3]).max()
         low, high = reach * np.array([[-0.45, -0.55], [1.0, 0.9]])
@@ -367,7 +367,7 @@ def plot(result: Result) -> Figure:
                 outward = 9 * s[n - 1] / np.linalg.norm(s[n - 1])
                 look = {"textcoords": "offset points", "ha": "center", "va": "center"}
                 middle.annotate(f"{n}", s[n - 1], outward, **look)
-        _draw_star(moved, "turned and moved", arrays, "moved")
+        _draw_star(moved, "rotated and shifted", arrays, "moved")
         if np.abs(result.params.center).max() < BESIDE:
             moved.plot(*s.T, ".", color="#8a8a8a", markersize=3)
             above = result.params.center[1] > 1  # the hexagon, so the label goes there

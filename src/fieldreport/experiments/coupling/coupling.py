@@ -321,6 +321,8 @@ def plot_footprint(result: Result) -> Figure:
                 cmap=SEQUENTIAL,
                 vmin=-6,
                 vmax=0,
+                edgecolors="black",
+                linewidths=0.3,
                 zorder=3,
             )
             panel.plot(one[1], one[0], "+", color="black", markersize=8)

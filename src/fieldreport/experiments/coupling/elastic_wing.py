@@ -351,7 +351,7 @@ def cantilever(across: int = 8) -> ClosedFormCheck:
 
 
 def straight_wing(along: int = 60) -> ClosedFormCheck:
-    """Divergence of a straight even wing that only twists: (π/2)² GJ / (e a L²), e = c² / 4.
+    """Divergence of a straight uniform wing that only twists: (π/2)² GJ / (e a L²), e = c² / 4.
 
     The section's twisting stiffness is GJ = 4 D_66 c. Chords do not bend, since D_11 is large; and
     as D_22 is small, holding the root does not stiffen the wing against twisting.
@@ -363,7 +363,9 @@ def straight_wing(along: int = 60) -> ClosedFormCheck:
     air = Strips(np.stack([x, y], axis=-1))
     wing = ElasticWing(plate, air, FlatCoupling(flat(mesh.points), flat(air.points)))
     closed = (np.pi / 2) ** 2 * 2.0 / (2 * np.pi / 4 * length**2)
-    return ClosedFormCheck("divergence of a straight even wing", wing.divergence_pressure, closed)
+    return ClosedFormCheck(
+        "divergence of a straight uniform wing", wing.divergence_pressure, closed
+    )
 
 
 def elliptic_wing(aspect: float = 100.0, along: int = 40) -> ClosedFormCheck:
@@ -383,7 +385,7 @@ def long_wing(mach: float, length: float = 1000.0) -> ClosedFormCheck:
     gamma = air.circulations(np.ones(air.shape))
     slope = float(2 * gamma[:, 0].sum())  # at the root, far from the tip
     closed = 2 * np.pi / np.sqrt(1 - mach**2)
-    return ClosedFormCheck("lift slope of a long wing in such a stream", slope, closed)
+    return ClosedFormCheck("lift slope of a long wing at this Mach number", slope, closed)
 
 
 def checks(mach: float) -> list[ClosedFormCheck]:

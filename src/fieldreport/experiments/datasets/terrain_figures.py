@@ -50,12 +50,14 @@ def draw_points_surface_land(result: Result) -> Figure:
             *arrays["points"].T, c=arrays["heights"], vmin=low, vmax=high, **_DOTS
         )
         given.set_facecolor("#2b2b2b")
-        _frame(given, result, f"{len(arrays['points'])} points on isolines")
+        _frame(given, result, f"{len(arrays['points']):,} points on isolines")
         _tinted(made, result, arrays[key(THIN_PLATE)])
         _frame(made, result, "the thin plate through them")
         _tinted(land, result, arrays["truth"])
         _frame(land, result, "the land")
-        page.colorbar(points, ax=[given, made, land], label="height, m", **_BELOW)
+        page.colorbar(
+            points, ax=[given, made, land], label="height, m", format="{x:,.0f}", **_BELOW
+        )
     return page
 
 

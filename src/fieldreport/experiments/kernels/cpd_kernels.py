@@ -243,9 +243,9 @@ def plot(result: Result) -> Figure:
         labels = [f"{name}  ({m})" for name, m in zip(names, a["orders"], strict=True)]
         left.set_yticks(rows, labels)
         left.set(title="least eigenvalue of the form")
-        left.legend(loc="upper left")
+        left.legend(loc="lower left", bbox_to_anchor=(0, 1.1), ncols=2)
         for d, values, look in zip(VARIABLES, a["waves"], shades("RBF", 3, marker=""), strict=True):
-            right.plot(WAVES, values * WAVES ** (0.5 + d / 2), **look, label=f"$d = {d}$")
+            right.plot(WAVES, values * WAVES ** (0.5 + d / 2), **look, label=f"$D = {d}$")
         right.axhline(0, color="black", linewidth=0.8)
         right.set(title=r"transform of $(1-r)_+$, scaled", xlabel="frequency")
         right.legend(loc="upper right")
@@ -262,7 +262,7 @@ def plot_line(result: Result) -> Figure:
         for panel, name, title in zip(
             panels,
             ("first", "second"),
-            ("of least coefficients", "and $2(x - y)$ added"),
+            ("smallest coefficients", "plus $2(x - y)$"),
             strict=True,
         ):
             levels = np.linspace(-reach, reach, 25)

@@ -1,12 +1,11 @@
 """Kernels of radial basis functions on Franke's function: error, conditioning, augmentation.
 
-Each kernel interpolates Franke's function at increasing numbers of points, taken from several parts
-of the Halton sequence. The smoother the kernel, the faster the error decreases and the condition
-number of the system grows. Orders fitted to one sequence of points are uncertain: a single point in
-a corner of the square, the origin with which the sequence begins, changes them. A second part shows
-the
-purpose of the polynomial that augments the kernels: affine data are reproduced exactly, and far
-from the data the field grows like a polynomial and not like the kernel.
+Each kernel interpolates Franke's function at increasing numbers of points, taken from disjoint
+parts of the Halton sequence. The smoother the kernel, the faster the error decreases and the
+condition number of the system grows. Orders fitted to one sequence of points are uncertain: a
+single point in a corner of the square, the origin with which the sequence begins, changes them. The
+second half shows the purpose of the polynomial that augments the kernels: affine data are
+reproduced exactly, and far from the data the field grows like a polynomial and not like the kernel.
 
 References
 ----------
@@ -39,11 +38,14 @@ from fieldrecon.methods.least_squares import monomial_matrix
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, hues, line, shades
 from fieldreport.framework.error_measures import order, order_of_magnitude
-from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
+from fieldreport.framework.experiment import Cell, Map, Result, ResultTable, round_to_digits
 from fieldreport.framework.parameters import Parameters, parameter
 
-# Larger computed condition numbers are dominated by rounding, as are the solutions.
-CERTAIN = 1e13
+CERTAIN = 1e14
+"""Errors and condition numbers have correct digits up to this computed condition number.
+
+Larger ones may have none: the smallest eigenvalue is of the size of the rounding errors.
+"""
 ROUNDING = 1e-16
 
 
@@ -58,12 +60,8 @@ class Params(Parameters):
         fewest=2,
         order="increasing",
     )
-    starts: tuple[int, ...] = parameter(
-        (1, 20, 50, 100, 200, 400, 1000, 2000, 5000),
-        "indices at which the Halton sequence begins; 0 is the origin, a corner of the square",
-        least=1,
-        most=10**6,
-        order="increasing",
+    parts: int = parameter(
+        20, "disjoint parts of the Halton sequence after its first point", least=1, most=1000
     )
     scale: float = parameter(
         0.2,
@@ -77,6 +75,11 @@ class Params(Parameters):
     farthest: float = parameter(
         1e3, "largest distance from the centre of the square", least=10, most=1e9
     )
+
+    @property
+    def starts(self) -> tuple[int, ...]:
+        """The index of the first point of each part; no part contains the origin, a corner."""
+        return tuple(1 + k * self.sizes[-1] for k in range(self.parts))
 
     @property
     def kernels(self) -> dict[str, Radial]:
@@ -102,8 +105,13 @@ LABELS = {
     "gaussian": "Gaussian",
 }
 POLYHARMONIC = ("linear", "thin_plate", "cubic")
-QUICK = Params(sizes=(20, 40, 80), starts=(1, 50), side=12, few=30)
-DIGITS = {"corner_gain_multiquadric": 1, "condition_multiquadric": 4, "condition_gaussian": 4}
+QUICK = Params(sizes=(20, 40, 80), parts=2, side=12, few=30)
+DIGITS = {
+    "corner_gain_multiquadric": 1,
+    "error_multiquadric": 4,
+    "condition_multiquadric": 2,
+    "condition_gaussian": 4,
+}
 
 
 def run(params: Params, each: Map = map) -> Result:
@@ -130,7 +138,8 @@ def run(params: Params, each: Map = map) -> Result:
         facts=_facts(params, error, condition)
         | _order_facts(params, errors)
         | _far_facts(distances, far)
-        | {"difference_from_scipy": order_of_magnitude(max(_difference(params), ROUNDING))},
+        | {"difference_from_scipy": order_of_magnitude(max(_difference(params), ROUNDING))}
+        | {"largest_certain_condition": CERTAIN},
         arrays={"error": error, "condition": condition, "distances": distances} | far,
     )
 
@@ -167,24 +176,26 @@ def _kernel_table(params: Params, error: np.ndarray, condition: np.ndarray) -> R
         (
             LABELS[name],
             kernel.order,
-            *map(_told_error, error[k], condition[k]),
-            *map(_told_condition, condition[k]),
+            *map(_reported_error, error[k], condition[k]),
+            *map(_reported_condition, condition[k]),
         )
         for k, (name, kernel) in enumerate(params.kernels.items())
     )
     return ResultTable(("kernel", "order", *columns), tuple(rows))
 
 
-def _told_error(error: float, condition: float) -> Cell:
+def _reported_error(error: float, condition: float) -> Cell:
     """Report an error of an ill-conditioned system by its order of magnitude only."""
     if error == 0:
         return "refused"
     return float(error) if condition < CERTAIN else order_of_magnitude(error)
 
 
-def _told_condition(condition: float) -> Cell:
-    """Report a condition number, at most the largest that double precision can resolve."""
-    return float(condition) if condition < CERTAIN else f"over {CERTAIN:.0e}"
+def _reported_condition(condition: float) -> Cell:
+    """Report a condition number with the digits that rounding leaves, at most CERTAIN."""
+    if condition >= CERTAIN:
+        return f"over {CERTAIN:.0e}"
+    return round_to_digits(float(condition), int(-np.log10(condition * np.finfo(float).eps)))
 
 
 def _affine_rows(params: Params) -> Iterator[tuple[Cell, ...]]:
@@ -291,6 +302,7 @@ def plot(result: Result) -> Figure:
             panel.set(title=title, xlabel="number of points", xscale="log", yscale="log")
             panel.set_xticks(sizes, [str(n) for n in sizes])
             panel.minorticks_off()
+        conditions.set_ylim(top=10 * CERTAIN)  # no tick at the title
         page.legend(loc="outside lower center", ncols=4)
     return page
 

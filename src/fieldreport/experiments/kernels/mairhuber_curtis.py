@@ -172,7 +172,7 @@ def plot(result: Result) -> Figure:
             panel.remove()
         below = page.add_subplot(axes[0, 0].get_gridspec()[1, :])
         for name, values, look in zip(
-            ("1, $x$, $y$", "quadratics", "gaussians", "thin plates"),
+            ("1, $x$, $y$", "quadratics", "Gaussians", "thin plates"),
             a["curves"],
             (
                 line("LS", marker=""),

@@ -260,7 +260,7 @@ def _draw(axes: Axes, result: Result, noise: int, measures: tuple[str, ...]) -> 
         axes.plot(epsilons, y, **LOOKS[measure])
         axes.plot(epsilons[y.argmin()], y.min(), "o", color=LOOKS[measure]["color"])
     spacing = 1 / np.sqrt(result.params.points)
-    axes.axvline(spacing, color="0.6", linewidth=0.8, linestyle=":", zorder=0)
+    axes.axvline(spacing, color="0.25", linewidth=0.9, linestyle=":", zorder=1.5)
     axes.set(xscale="log", yscale="log")
 
 

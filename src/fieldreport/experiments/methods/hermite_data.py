@@ -24,6 +24,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fieldrecon.datasets.synthetic import halton
+from fieldrecon.fields import Field
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
 from fieldrecon.kernels.positive_definite import wendland
@@ -31,7 +32,6 @@ from fieldrecon.methods.functionals import derivatives_at, laplacians_at, values
 from fieldrecon.methods.hermite import HermiteField, HermiteRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.plotting.style import figure, line, shades
-from fieldrecon.reconstruction import Field
 from fieldreport.framework.error_measures import order
 from fieldreport.framework.experiment import Map, Result, ResultTable
 from fieldreport.framework.parameters import Parameters, parameter

@@ -66,7 +66,12 @@ class Params(Parameters):
         (500, 1000, 2000, 4000), "numbers of sites compared", least=20, fewest=2, order="increasing"
     )
     at: int = parameter(10, "number of variables for which numbers of sites are compared", least=2)
-    queries: int = parameter(150, "random points where errors are measured", least=1)
+    queries: int = parameter(150, "random points where errors are measured, at least", least=1)
+    coordinates: int = parameter(
+        15_000,
+        "number of coordinates of these points, at least: in few variables there are more",
+        least=0,
+    )
     draws: int = parameter(5, "draws of sites and queries; errors are medians over them", least=1)
     large: int = parameter(
         20000, "points for the mean and the deviation of the functions", least=100
@@ -81,7 +86,13 @@ class Params(Parameters):
 
 
 QUICK = Params(
-    variables=(3, 10, 20, 100), sites=150, more=(60, 120), queries=10, draws=2, large=200
+    variables=(3, 10, 20, 100),
+    sites=150,
+    more=(60, 120),
+    queries=10,
+    coordinates=100,
+    draws=2,
+    large=200,
 )
 
 
@@ -91,8 +102,9 @@ def run(params: Params, each: Map = map) -> Result:
     cases += [(params.at, n, "random") for n in params.more]
     cases += [(d, params.sites, kind) for d in params.variables for kind in KINDS[1:]]
     draws = [(*case, params.seed + 3 * k) for case in cases for k in range(params.draws)]
-    found = np.array(list(each(partial(errors, params), draws)))
-    found = median_over_draws(found.reshape(len(cases), params.draws, *found.shape[1:]))
+    drawn = np.array(list(each(partial(errors, params), draws)))
+    drawn = drawn.reshape(len(cases), params.draws, *drawn.shape[1:])
+    found = median_over_draws(drawn)
     number = len(params.variables)
     by_variables, by_sites, by_kind = np.split(found, [number, number + len(params.more)])
     by_kind = by_kind.reshape(number, 2, *found.shape[1:])
@@ -106,7 +118,8 @@ def run(params: Params, each: Map = map) -> Result:
             "geometry": ResultTable(tuple(Geometry.COLUMNS), tuple(g.row() for g in geometry)),
             "kinds": _kinds(params, geometry, by_variables, by_kind),
         },
-        facts=_facts(params, by_variables, by_sites, by_kind, geometry),
+        facts=_facts(params, by_variables, by_sites, by_kind, geometry)
+        | dict(_kink(params, drawn)),
         arrays={
             "by_variables": by_variables,
             "by_sites": by_sites,
@@ -122,6 +135,15 @@ def median_over_draws(found: np.ndarray) -> np.ndarray:
     return np.where((found > 0).all(axis=1), np.median(found, axis=1), 0.0)
 
 
+def queries_in(params: Params, d: int) -> int:
+    """Return the number of query points in d variables.
+
+    In three variables few of them are near the centre, where the distance has a kink, and these
+    make up most of its error.
+    """
+    return max(params.queries, params.coordinates // d)
+
+
 def errors(params: Params, case: tuple[int, int, str, int]) -> np.ndarray:
     """Return rms errors (methods, functions) in standard deviations; zero where not computed.
 
@@ -129,7 +151,7 @@ def errors(params: Params, case: tuple[int, int, str, int]) -> np.ndarray:
     cubic on the two relevant variables, for the function of two variables.
     """
     d, n, kind, seed = case
-    x, q = sites(n, d, kind, seed), uniform(params.queries, d, seed + 1)
+    x, q = sites(n, d, kind, seed), uniform(queries_in(params, d), d, seed + 1)
     large = uniform(params.large, d, seed + 2)
     scale = [(f(large).mean(), f(large).std()) for f in FIELDS]
     data, truth = (
@@ -223,6 +245,14 @@ def _rates(params: Params, by_sites: np.ndarray) -> Iterator[tuple[str, float]]:
         yield f"rate_{name}_most", max(rates)
         for f, rate in zip(FIELDS, rates, strict=True):
             yield f"rate_{name}_{f.__name__}", rate
+
+
+def _kink(params: Params, drawn: np.ndarray) -> Iterator[tuple[str, float]]:
+    """Yield the range over the draws of the error of the cubic for the distance."""
+    of_cubic = drawn[:, :, METHODS.index("cubic"), FIELDS.index(radial)]
+    for d, each in zip(params.variables, of_cubic, strict=False):
+        yield f"cubic_radial_least_{d}", float(each.min())
+        yield f"cubic_radial_most_{d}", float(each.max())
 
 
 def centred(x: np.ndarray) -> np.ndarray:
@@ -427,7 +457,7 @@ def errors_drawn(numbers: Sequence[int], found: np.ndarray, what: str) -> Figure
                 there = error > 0
                 panel.plot(np.array(numbers)[there], error[there], **look)
             panel.set(title=title, xscale="log", yscale="log", ylim=(LEAST, MOST))
-            panel.set_xticks(numbers, [str(n) for n in numbers])
+            panel.set_xticks(numbers, [f"{n:,}" for n in numbers])
             panel.minorticks_off()
         for panel in panels[1]:
             panel.set_xlabel(f"number of {what}")

@@ -239,7 +239,7 @@ def plot_locality(result: Result) -> Figure:
         steps = np.arange(len(a["weights"])) + 0.5
         decay.semilogy(steps, np.abs(a["weights"]), **line("RBF", linestyle="none", label="weight"))
         reference = np.abs(a["weights"][5]) * DECAY ** (steps - steps[5])
-        decay.semilogy(steps, reference, **line("truth", label=r"$(2-\sqrt{3})^j$"))
+        decay.semilogy(steps, reference, **line("truth", label=f"${DECAY:.3f}^j$"))
         decay.set(title="influence of a datum", xlabel="distance in intervals")
         decay.legend(loc="upper right")
         for column, (look, label) in enumerate(

@@ -34,6 +34,7 @@ class Params(Parameters):
 QUICK = Params(large=100_000)
 
 OURS, USUAL = "fieldrecon", "fieldrecon patches"
+CHOSEN, KRIGING, LINEAR = "fieldrecon, chosen for the data", "kriging", "SciPy LinearND"
 PACKAGES = ("numpy", "scipy", "ferreus_rbf", "wlsqm", "verde", "scikit-learn")
 DATA = {
     "smooth": "Franke's function",
@@ -100,6 +101,16 @@ COLUMNS = (
     "left out",
     "memory MiB",
 )
+SURVEYS = (
+    "survey",
+    "samples",
+    "our error",
+    "our seconds",
+    "best peer",
+    "its error over ours",
+    "linear over ours",
+    "kriging over ours",
+)
 LOST = (
     "data",
     "sites",
@@ -115,7 +126,8 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
     """Read the measurements."""
     result = read_benchmark(params.results)
     (table,) = tables(result)
-    runs = [MethodRun._make(row) for row in select_columns(table, COLUMNS).rows]
+    measured = [MethodRun._make(row) for row in select_columns(table, COLUMNS).rows]
+    runs = [r for r in measured if r.data in DATA]
     machine, patience = result["machine"], result["parameters"]["patience in seconds"]
     lost = uncovered(runs)
     facts = {
@@ -143,6 +155,7 @@ def run(params: Params, each: Map = map) -> Result:  # noqa: ARG001 - there is n
         "versions": ResultTable(
             ("package", "version"), tuple((name, f"version {machine[name]}") for name in PACKAGES)
         ),
+        "surveys": on_surveys([r for r in measured if r.data not in DATA]),
         **{
             f"{data}_{n}": _side_by_side(runs, data, n)
             for data, n in dict.fromkeys((r.data, r.sites) for r in runs)
@@ -190,6 +203,22 @@ def _side_by_side(runs: Iterable[MethodRun], data: str, n: int) -> ResultTable:
         ("method", "fit s", "evaluate s", "rms error", "cores busy", "memory MiB"),
         tuple((r.method, r.fit, r.evaluate, r.rms, r.cpu / r.total, r.memory) for r in here),
     )
+
+
+def on_surveys(runs: Sequence[MethodRun]) -> ResultTable:
+    """The chosen method on each survey, and errors of others relative to it.
+
+    The best peer answers all queries; linear interpolation answers those inside the hull.
+    """
+    rows = []
+    for data, n in dict.fromkeys((r.data, r.sites) for r in runs):
+        here = {r.method: r for r in runs if (r.data, r.sites) == (data, n)}
+        own = here[CHOSEN]
+        complete = [r for r in here.values() if not r.ours and not r.left_out]
+        best = min(complete, key=lambda r: r.rms)
+        others = [here[m].rms / own.rms if m in here else NONE for m in (LINEAR, KRIGING)]
+        rows.append((data, n, own.rms, own.total, best.method, best.rms / own.rms, *others))
+    return ResultTable(SURVEYS, tuple(rows))
 
 
 def _numbers(runs: Sequence[MethodRun]) -> dict[str, float | str]:
@@ -240,7 +269,7 @@ LIBRARIES: Mapping[str, tuple[str, Any]] = {
     "scikit-learn": ("#707070", (0, (2, 2))),
 }
 """Colour and dashes of each library."""
-MARKERS = "oDs^vP*Xd"
+MARKERS = "oDs^vP*Xd<>ph"
 RANGE = 30.0
 HIGHEST = {"terrain": 10.0}
 """Largest errors drawn, in metres: one peer would otherwise compress all other curves."""

@@ -16,6 +16,7 @@ Conference (1968), for the constant case.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import partial
 
@@ -24,11 +25,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fieldrecon.datasets.synthetic import franke, jittered_grid
+from fieldrecon.fields import Field
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.plotting.maps import SHADE, hillshade
 from fieldrecon.plotting.style import figure, line, shades
-from fieldrecon.reconstruction import Field
 from fieldreport.framework.experiment import Cell, Map, Result, ResultTable
 from fieldreport.framework.parameters import Parameters, parameter, require
 
@@ -58,7 +59,16 @@ class Params(Parameters):
     relief_side: int = parameter(110, "points along a side of a relief", least=2)
     draws: int = parameter(5, "draws of sites for the count of extrema", least=1)
     fine: int = parameter(
-        120, "points along a side of the grid on which extrema are counted", least=5
+        80, "points along a side of the grid on which errors are measured", least=5
+    )
+    points_per_epsilon: int = parameter(
+        3,
+        "points per length ε of the grid on which extrema are counted",
+        least=1,
+        most=9,
+    )
+    points_per_spacing: int = parameter(
+        10, "points per spacing h of that grid, at least", least=1, most=20
     )
     seed: int = parameter(1, "seed of the jitter; the draws take the seeds that follow", least=0)
 
@@ -108,23 +118,32 @@ def slope_and_error(params: Params, sites: np.ndarray, ratio: float) -> np.ndarr
 
 
 def bumps_and_errors(params: Params, case: tuple[float, int]) -> np.ndarray:
-    """Extrema, and rms errors of value, slope and curvature: medians over the draws.
-
-    Curvatures are differences of the gradient on the fine grid, for the field and for the truth.
-    """
+    """Extrema, and rms errors of value, slope and curvature: medians over the draws."""
     ratio, degree = case
-    x = _mesh(params.fine)
-    truth, slope = franke(x), franke.gradient(x)
+    x, counted = _mesh(params.fine), _mesh(counting_side(params, ratio))
+    truth, slope, curvature = franke(x), franke.gradient(x), second_derivatives(x)
     found = []
     for draw in range(params.draws):
         sites = jittered_grid(params.side, 2, params.jitter, params.seed + 1 + draw)
         s = _field(params, sites, degree, ratio)
-        values, wrong = s(x), s.gradient(x) - slope
-        bend = np.stack(np.gradient(wrong, 1 / params.fine, axis=(0, 1)))
-        # root mean squares over the places of the norm of a vector and of a matrix
-        errors = [np.sqrt(np.sum(e**2) / values.size) for e in (values - truth, wrong, bend)]
-        found.append([count_extrema(values), *errors])
+        wrong = s(x) - truth, s.gradient(x) - slope, s.hessian(x) - curvature
+        # root mean squares over the points of the norm of a vector and of a matrix
+        errors = [np.sqrt(np.sum(e**2) / truth.size) for e in wrong]
+        found.append([count_extrema(s(counted)), *errors])
     return np.median(found, axis=0)
+
+
+def counting_side(params: Params, ratio: float) -> int:
+    """Points along a side of a grid that resolves ε and h, the widths of the smallest bumps."""
+    per_spacing = max(params.points_per_spacing, params.points_per_epsilon / ratio)
+    return max(5, math.ceil(params.side * per_spacing))
+
+
+def second_derivatives(x: np.ndarray, step: float = 1e-5) -> np.ndarray:
+    """Return those of Franke's function by central differences of its gradient, (..., 2, 2)."""
+    steps = step * np.eye(2)
+    rises = [franke.gradient(x + e) - franke.gradient(x - e) for e in steps]
+    return np.stack(rises, axis=-1) / (2 * step)
 
 
 def count_extrema(values: np.ndarray) -> int:

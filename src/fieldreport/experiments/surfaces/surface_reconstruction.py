@@ -113,7 +113,7 @@ def run(params: Params, each: Map = map) -> Result:
     scans["part"] = SyntheticScan(
         sample_surface(machine_part(), params.points, params.seed)[0], machine_part()
     )
-    scans["far away"] = _far(scans["as drawn"])
+    scans["far away"] = _far(scans["exact points"])
     rebuilt = dict(zip(scans, each(reconstructed, scans.values()), strict=True))
     errors = np.array(list(each(errors_of, params.sizes)))
     measures = np.array(list(each(torus_errors, params.cells)))
@@ -233,7 +233,7 @@ def _orders(names: tuple[str, ...], steps: list[float], errors: np.ndarray) -> d
 def _facts(rebuilt: Mapping[str, Rebuilt]) -> dict[str, Cell]:
     """Return the facts about the scans."""
     told = {name: dict(zip(COLUMNS[1:], one.row, strict=True)) for name, one in rebuilt.items()}
-    near, far = (float(told[name]["rms"]) for name in ("as drawn", "far away"))
+    near, far = (float(told[name]["rms"]) for name in ("exact points", "far away"))
     return {
         "part_rms": told["part"]["rms"],
         "part_largest": told["part"]["largest"],
@@ -291,18 +291,18 @@ def damaged(count: int, noise: float, seed: int) -> dict[str, SyntheticScan]:
     rough = roughened(points, normals, noise * spacing, rng)
     missing = np.linalg.norm(points[:, None] - HOLES, axis=2).min(axis=1) < HOLE
     low, high = 1.3 * body.box
-    strays = low + (high - low) * rng.random((count // 50, 3))
-    strays = strays[-body(strays) > 5 * spacing]
+    outliers = low + (high - low) * rng.random((count // 50, 3))
+    outliers = outliers[-body(outliers) > 5 * spacing]
     other = Ball(0.4, [0.0, 0.0, 0.9])
     more, _ = sample_surface(other, count // 5, seed)
     sheet = Box([1.4, 1.4, 2.2 * np.sqrt(2 * 1.4**2 / count)])
     return {
-        "as drawn": SyntheticScan(points, body),
+        "exact points": SyntheticScan(points, body),
         "with noise": SyntheticScan(rough, body),
         "with holes": SyntheticScan(points[~missing], body),
         "in shadow": SyntheticScan(points[scanned(body, points, normals, EYES)], body),
-        "with strays and copies": SyntheticScan(
-            np.vstack([points, strays, points[: count // 10]]), body
+        "with outliers and duplicates": SyntheticScan(
+            np.vstack([points, outliers, points[: count // 10]]), body
         ),
         "two bodies": SyntheticScan(np.vstack([points, more]), body | other),
         "thin sheet": SyntheticScan(sample_surface(sheet, count, seed)[0], sheet),
@@ -320,7 +320,7 @@ def ellipsoid(n: int) -> tuple[np.ndarray, np.ndarray]:
     return ball * half, normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
-SHOWN = ("with noise", "with holes", "in shadow", "with strays and copies")
+SHOWN = ("with noise", "with holes", "in shadow", "with outliers and duplicates")
 FROM_ABOVE = np.array([0.35, -0.75, 0.8])
 _HEIGHTS = 3.0  # vertical exaggeration: the relief is flat
 _FAINTER = LinearSegmentedColormap.from_list(

@@ -23,8 +23,8 @@ from matplotlib.figure import Figure
 from scipy import ndimage
 
 from fieldrecon.datasets.synthetic import halton
+from fieldrecon.fields import Field
 from fieldrecon.plotting.style import figure, line
-from fieldrecon.reconstruction import Field
 from fieldrecon.solids.ray_casting import View, ray_traced
 from fieldrecon.surfaces.variational_implicits import ShapeTransformation, variational_implicit
 from fieldreport.framework.error_measures import order

@@ -244,6 +244,7 @@ def plot(result: Result) -> Figure:
         panels = axes.ravel()
         for panel, name in zip(panels, names, strict=False):
             panel.set_title(name, loc="center", fontsize=8)
+            panel.set_anchor("N")  # titles of one row at one height
             toward = TOWARD if name in WHOLE else FROM_THE_SIDE
             _draw(panel, result, name, toward, near=name not in WHOLE)
         _key(panels[len(names)])

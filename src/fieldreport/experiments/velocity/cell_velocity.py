@@ -394,7 +394,7 @@ def plot_orders(result: Result) -> Figure:
         "at the vertices": line("LS"),
         "at the circumcentre": line("RBF"),
         "at the centroid": line("MLS"),
-        "back at inner vertices": line("PU"),
+        "interpolated to inner vertices": line("PU"),
     }
     shown = [2, 0, 1, 4]
     with figure(FULL_WIDTH, height=2.7, columns=2) as (page, axes):

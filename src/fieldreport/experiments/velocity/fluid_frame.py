@@ -367,6 +367,9 @@ def exact_streamline(height: np.ndarray, x: np.ndarray) -> np.ndarray:
 SPEED = LinearSegmentedColormap.from_list("speed", colormaps["YlGnBu"](np.linspace(0, 0.85, 64)))
 """From light (slow) to dark (fast), also in grey, and light enough for black lines."""
 
+BODY = "white"
+"""The cylinder is no part of the map: it has the colour of the page, also on a dark one."""
+
 WINDOW = (-3.1, 3.1, -2.15, 2.15)
 CLOSE = (-1.75, -0.25, 0.15, 1.65)
 
@@ -402,7 +405,7 @@ def plot(result: Result) -> Figure:
         upper = arrays["traced"][: len(arrays["exact"])]
         for y in upper:
             panel.plot(*y.T, color=BLACK_ON_MAP, linewidth=0.8, zorder=3.1)
-        panel.add_patch(Circle((0, 0), 1, facecolor="#e9e9e9", edgecolor="black", zorder=4))
+        panel.add_patch(Circle((0, 0), 1, facecolor=BODY, edgecolor="black", zorder=4))
         panel.set(xlim=WINDOW[:2], ylim=WINDOW[2:], aspect="equal", xlabel="$x$", ylabel="$y$")
         panel.grid(visible=False)
         panel.set_yticks([-2, -1, 0, 1, 2])
@@ -417,9 +420,9 @@ def plot_data(result: Result) -> Figure:
     arrays = result.arrays
     triangles = Triangulation(arrays["points"][:, 0], arrays["points"][:, 1], arrays["cells"])
     panels = {
-        "in: normal velocities of faces": ("middles", "normal_velocities", METHOD_COLORS["LS"]),
-        "out: velocities of cells": ("circumcenters", "cell_velocities", METHOD_COLORS["MLS"]),
-        "out: velocities of vertices": ("points", "velocities", METHOD_COLORS["RBF"]),
+        "data: normal velocities of faces": ("middles", "normal_velocities", METHOD_COLORS["LS"]),
+        "velocities of cells": ("circumcenters", "cell_velocities", METHOD_COLORS["MLS"]),
+        "velocities of vertices": ("points", "velocities", METHOD_COLORS["RBF"]),
     }
     with figure(FULL_WIDTH, height=2.25, columns=3) as (page, axes):
         for panel, (title, (where, what, color)) in zip(axes, panels.items(), strict=True):
@@ -437,7 +440,7 @@ def plot_data(result: Result) -> Figure:
                 zorder=3,
                 pivot="mid" if where == "middles" else "tail",
             )
-            panel.add_patch(Circle((0, 0), 1, facecolor="#e9e9e9", edgecolor="black", zorder=2))
+            panel.add_patch(Circle((0, 0), 1, facecolor=BODY, edgecolor="black", zorder=2))
             panel.set(xlim=CLOSE[:2], ylim=CLOSE[2:], aspect="equal", xticks=[], yticks=[])
             panel.set_title(title)
             panel.grid(visible=False)
@@ -478,7 +481,9 @@ def plot_surface(result: Result) -> Figure:
         h = arrays["steps"]
         lowest = arrays["errors"][-1, 0]
         right.plot(h, 0.5 * lowest * (h / h[-1]) ** 2, **line("truth", label=None))
-        right.annotate("$h^2$", (h[-1], 0.5 * lowest), (6, -5), textcoords="offset points")
+        right.annotate(
+            "$h^2$", (h[0], 0.5 * lowest * (h[0] / h[-1]) ** 2), (4, -8), textcoords="offset points"
+        )
         right.set_xticks(h, [f"2π/{round(2 * np.pi / step)}" for step in h])
         right.minorticks_off()
         right.set_ylim(top=200 * arrays["errors"][0, 1])

@@ -228,12 +228,14 @@ def _facts(
     ratios: np.ndarray,
     sweep: np.ndarray,
 ) -> dict[str, Cell]:
-    plane = errors["jittered, plane"]
+    plane, space = errors["jittered, plane"], errors[SPACE]
     facts: dict[str, Cell] = {
         "means_order": orders["jittered, plane"][3, 0],
         "means_error": plane[-1, 3, 0],
         "means_at_centroids_order": orders["jittered, plane"][4, 0],
         "means_at_centroids_error": plane[-1, 4, 0],
+        "error_ls_space": space[-1, 0, 0],
+        "error_rbf_space": space[-1, 2, 0],
         "best_ratio_full": ratios[np.argmin(sweep[:, 0])],
         "best_full": sweep[:, 0].min(),
         "best_ratio_diffuse": ratios[np.argmin(sweep[:, 1])],

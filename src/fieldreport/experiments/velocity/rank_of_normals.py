@@ -417,13 +417,13 @@ def plot_approach(result: Result) -> Figure:
     """Draw the smallest singular value over t against t, in the plane and in space."""
     t, table = result.arrays["t"], result.tables["configurations"]
     rows = list(zip(table.rows, result.arrays["smallest"], strict=True))
-    with figure(FULL_WIDTH, 3.5, columns=2, sharey=True) as (page, axes):
+    with figure(FULL_WIDTH, 3.1, columns=2, sharey=True) as (page, axes):
         for panel, d, where in zip(axes, (2, 3), ("in the plane", "in space"), strict=True):
             *lines, _ = [(row, s) for row, s in rows if row[1] == d]  # the last is of full rank
             for (row, s), look in zip(lines, hues(len(lines) + 1, markersize=3)[1:], strict=True):
                 panel.plot(t, s / t, **(look | {"label": row[0], "linewidth": 0.9}))
             panel.set(xscale="log", yscale="log", xlabel="$t$", title=where)
-            below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.19), "ncols": 2}
+            below = {"loc": "upper center", "bbox_to_anchor": (0.5, -0.21), "ncols": 2}
             panel.legend(fontsize=7, labelspacing=0.3, columnspacing=1.0, **below)
         axes[0].set_ylabel(r"$\sigma_{\min} / (t\,\sigma_{\max})$")
     return page

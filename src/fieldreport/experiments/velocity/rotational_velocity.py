@@ -260,7 +260,7 @@ def _compared_weights(params: Params) -> tuple[list[tuple[Cell, ...]], dict[str,
     u = taylor_green(mesh.points)
     v = normal_velocities(mesh, u)
     rows: list[tuple[Cell, ...]] = []
-    least, ratio_on_same, others = np.inf, 1.0, 0
+    least, ratio_on_same, others, share = np.inf, 1.0, 0, 0.0
     for ratio in (None, *params.ratios):
         weight = None if ratio is None else inverse_square(ratio / params.weights_side)
         x, y = velocity_weights(mesh, weight)
@@ -277,10 +277,12 @@ def _compared_weights(params: Params) -> tuple[list[tuple[Cell, ...]], dict[str,
         )
         least = min(least, float((noise[same] / equal[same]).min()))
         others = max(others, int((~same).sum()))
+        share = max(share, float(np.sum(equal[~same] ** 2) / np.sum(equal**2)))
     return rows, {
         "least_noise_on_same_edges": least,
         "largest_noise_on_same_edges": ratio_on_same,
         "most_with_other_edges": others,
+        "share_with_other_edges": share,
         "compared_vertices": len(u),
     }
 
@@ -319,10 +321,10 @@ WRONG = METHOD_COLORS["RBF"]
 ARROWS: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "pivot": "tail", "zorder": 3}
 
 KINDS = {
-    "three": "inside, three triangles",
-    "four": "inside, four triangles",
-    "fan": "boundary, three triangles",
-    "cross": "four, on two lines",
+    "three": "inside, 3 triangles",
+    "four": "inside, 4 triangles",
+    "fan": "boundary, 3 triangles",
+    "cross": "inside, a cross",
 }
 """Stars drawn with a field that none of their edges sees."""
 
@@ -344,14 +346,14 @@ def plot(result: Result) -> Figure:
             marked.plot(*a["points"][mask].T, marker, color=WRONG, markersize=4, label=label)
         marked.plot(*a["points"][~left].T, ".", color="0.35", markersize=2.5)
         scale = 7 * np.abs(a["truth"]).max()
-        given = {"color": WRONG, "width": 0.009, "label": "one ring there"}
+        given = {"color": METHOD_COLORS["LS"], "width": 0.009, "label": "least norm, one ring"}
         _arrows(arrows, a["points"][left], a["one_ring"][left], scale, **given)
-        truth = {"color": "black", "width": 0.004, "label": "truth"}
+        truth = {"color": "black", "width": 0.004, "label": "exact"}
         _arrows(arrows, a["points"][left], a["truth"][left], scale, **truth)
-        arrows.margins(0.12)
+        arrows.margins(0.2)  # for the longest arrow
         marked.set(xlim=arrows.get_xlim(), ylim=arrows.get_ylim())
         marked.set_title("undetermined by one ring")
-        arrows.set_title("their velocities of least norm")
+        arrows.set_title("velocities there")
         page.legend(loc="outside lower center", ncols=5, handlelength=1.2, columnspacing=1.2)
     return page
 
