@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.scattered_data import survey_files
+from fieldrecon.fields import Field
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
@@ -21,10 +23,9 @@ from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.pipelines.block_averages import block_means
 from fieldrecon.polynomials import dimension
-from fieldrecon.reconstruction import Field
-from fieldrecon.selection.cross_validation import CrossValidator
+from fieldrecon.selection.cross_validation import CrossValidator, best
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from fieldrecon.selection.models import Model
+from fieldrecon.selection.models import MODELS, Model
 
 Interpolant = Callable[[np.ndarray], np.ndarray]
 Fit = Callable[[np.ndarray, np.ndarray], Interpolant]
@@ -54,6 +55,13 @@ def patches_by_leave_one_out(points: np.ndarray, values: np.ndarray) -> Field:
     paths = [[maker] for maker in makers]
     score = validator.evaluate(Model("patches", "PU", "patches, blended", lambda _: paths))
     return score.maker(points).field(values)
+
+
+def chosen(points: np.ndarray, values: np.ndarray) -> Field:
+    """The method that `fieldrecon reconstruct` chooses, the time of the choice included."""
+    validator = CrossValidator.of(points, values)
+    scores = validator.compare([*MODELS.values()])
+    return best(scores, lambda score: score.maker(points).field(values))[1]
 
 
 def _patches(power: int, degree: int, size: int, points: np.ndarray) -> PartitionOfUnityRBF:
@@ -245,6 +253,7 @@ def verde_cross_validated(points: np.ndarray, values: np.ndarray) -> Interpolant
 
 NOISE = ("noisy",)
 WITHOUT_NOISE = ("smooth", "front", "clusters", "cube", "terrain")
+SURVEYS = tuple(survey_files())
 FLAT = (2,)
 
 
@@ -270,7 +279,7 @@ class ComparedMethod:
     fit: Callable[[np.ndarray, np.ndarray], Interpolant]
     most: int = 10**9
     dimensions: tuple[int, ...] = (2, 3)
-    data: tuple[str, ...] = WITHOUT_NOISE + NOISE
+    data: tuple[str, ...] = WITHOUT_NOISE + NOISE + SURVEYS
 
     def takes(self, data: str, sites: int) -> bool:
         """Whether the method is measured on this number of sites of a data set."""
@@ -284,6 +293,8 @@ METHODS = {
     for c in (
         ComparedMethod(OURS, patches),
         ComparedMethod(SMALL, patches_of(3, 3, 32), dimensions=FLAT, data=WITHOUT_NOISE),
+        ComparedMethod("fieldrecon patches, r", patches_of(1, 1, 60), dimensions=FLAT),
+        ComparedMethod("fieldrecon, chosen for the data", chosen, dimensions=FLAT, data=SURVEYS),
         ComparedMethod("fieldrecon patches, r⁴ log r", patches_of(4, 2, 120), dimensions=FLAT),
         ComparedMethod(
             "fieldrecon patches, r⁷", patches_of(7, 4, 60), dimensions=FLAT, data=WITHOUT_NOISE
@@ -307,6 +318,11 @@ METHODS = {
         ComparedMethod("SciPy RBF", scipy_rbf(), 10**4),
         ComparedMethod("SciPy RBF, 30 neighbours", scipy_rbf(neighbors=30)),
         ComparedMethod(
+            "SciPy RBF, r, 50 neighbours",
+            scipy_rbf(neighbors=50, kernel="linear"),
+            dimensions=FLAT,
+        ),
+        ComparedMethod(
             "SciPy RBF, r³, 40 neighbours",
             scipy_rbf(neighbors=40, kernel="cubic", degree=3),
             dimensions=FLAT,
@@ -325,6 +341,7 @@ METHODS = {
         ComparedMethod("SciPy LinearND", scipy_linear),
         ComparedMethod("SciPy CloughTocher2D", scipy_clough_tocher, dimensions=FLAT),
         ComparedMethod("ferreus_rbf, thin plate", ferreus("ThinPlateSpline")),
+        ComparedMethod("ferreus_rbf, r", ferreus("Linear"), dimensions=FLAT),
         ComparedMethod("ferreus_rbf, r³", ferreus("Cubic")),
         ComparedMethod("ferreus_rbf, r³, smoothed", ferreus("Cubic", 1e-3), data=NOISE),
         ComparedMethod("wlsqm, degree 2", wlsqm(2, 20), dimensions=FLAT),
@@ -333,6 +350,10 @@ METHODS = {
         ComparedMethod("verde Spline", verde(), 4_000, dimensions=FLAT),
         ComparedMethod("verde Spline, 2000 means", verde(2000, 1e-8), 10**5, FLAT, WITHOUT_NOISE),
         ComparedMethod("verde Spline, 2000 means, damped", verde(2000, 1e-4), 10**5, FLAT, NOISE),
+        ComparedMethod("kriging", kriging, 2_000, FLAT, SURVEYS),
+        ComparedMethod(
+            "verde Spline, cross-validated", verde_cross_validated, 4_000, FLAT, SURVEYS
+        ),
         ComparedMethod("scikit-learn GP", gaussian_process(), 1_000, data=WITHOUT_NOISE),
         ComparedMethod(
             "scikit-learn GP, with noise", gaussian_process(noise=True), 1_000, data=NOISE

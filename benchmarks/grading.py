@@ -71,7 +71,7 @@ def run(size: Size, track: Track) -> BenchmarkResult:
         comparisons,
         [Table("Seconds for each submission, medians", COLUMNS, rows)],
         notes=[NOTE],
-        parameters=asdict(size) | {"walls": ", ".join(sorted(tiers))},
+        parameters=asdict(size) | {"sandbox": ", ".join(sorted(tiers))},
     )
 
 
@@ -214,9 +214,9 @@ def _cpu_of_sandbox_start() -> float:
 COLUMNS = ("assignment", "grader", "seconds", "least", "most", "CPU seconds", "speed-up by workers")
 NOTE = (
     f"The grader is the whole command: it starts, archives what was received, grades, writes. On "
-    f"the small notebook its CPU seconds, both sides of the walls together, are to be at most "
-    f"{MOST_CPU}. Each grader found exactly the right answers, as was required of it; fieldrecon "
-    f"also pays a right answer that calls a wrong one."
+    f"the small notebook its CPU seconds, inside and outside the sandbox together, are to be at "
+    f"most {MOST_CPU}. Each grader found exactly the right answers, as was required of it; "
+    f"fieldrecon also pays a right answer that calls a wrong one."
 )
 
 

@@ -52,7 +52,7 @@ def run(size: Size, track: Track) -> BenchmarkResult:
             "trusted processes, of which each worker is one; what students wrote runs in others, "
             "with limits of their own."
         ],
-        parameters=asdict(size) | {"workers": WORKERS, "walls": fair[3]},
+        parameters=asdict(size) | {"workers": WORKERS, "sandbox": fair[3]},
     )
 
 

@@ -62,7 +62,7 @@ def run(size: Size, track: Track) -> BenchmarkResult:
         notes=[
             "speed-up: time of one worker on one core, divided by that of the row, round by round."
         ],
-        parameters=asdict(size) | {"walls": tier},
+        parameters=asdict(size) | {"sandbox": tier},
     )
 
 

@@ -20,11 +20,11 @@ import numpy as np
 from benchmarks.timing import BenchmarkResult, Table, Track, cores
 from fieldrecon._core.chunks import CHUNK_BYTES
 from fieldrecon.datasets.synthetic import franke, uniform
+from fieldrecon.fields import Field
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.reconstruction import Field
 
 AT_MOST = 1.5
 # Bytes allocated during the measurement, so that the peak is not that of the imports.

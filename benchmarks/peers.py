@@ -16,12 +16,14 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from statistics import median
+from typing import Any
 
 import numpy as np
 
-from benchmarks.compared_methods import METHODS, OURS
+from benchmarks.compared_methods import METHODS, OURS, SMALL
+from benchmarks.finished_runs import FinishedRuns
 from benchmarks.memory import largest_memory
-from benchmarks.scattered_data import DATA
+from benchmarks.scattered_data import DATA, survey_files, survey_samples
 from benchmarks.timing import BenchmarkResult, Comparison, Table, Track
 
 PATIENCE = 400.0
@@ -29,6 +31,7 @@ PATIENCE = 400.0
 ENOUGH = 60.0
 """Time in seconds after which a run is not repeated."""
 YIELDING = "Other programs ran beside, at the lowest priority: they got what these runs left."
+ELSEWHERE = "Ratios at the largest sizes that `million` measures are stated there only."
 NOT_LARGER = ("front", "noisy", "clusters")
 COLUMNS = (
     "data",
@@ -47,6 +50,21 @@ COLUMNS = (
 )
 
 
+def _task(data: str, sites: int) -> str:
+    return f"{data}, {sites} sites: fit and evaluate"
+
+
+LEAST = 2_000
+"""Samples of a survey that is measured; those of smaller ones are fitted at once."""
+HELD_OUT = 0.2
+
+
+def of_surveys() -> tuple[tuple[str, tuple[int, ...]], ...]:
+    """Four fifths of each survey."""
+    counts = {name: len(survey_samples(path)[0]) for name, path in survey_files().items()}
+    return tuple((name, (int((1 - HELD_OUT) * n),)) for name, n in counts.items() if n >= LEAST)
+
+
 @dataclass(frozen=True)
 class Size:
     """Numbers of sites of each data set.
@@ -62,10 +80,27 @@ class Size:
     )
     repeats: int = 3
     methods: tuple[str, ...] = tuple(METHODS)
+    elsewhere: tuple[tuple[str, str], ...] = ()
+    """Comparisons, by what is measured and the other method, that another benchmark states."""
+    kept: Path | None = None
+    """A file of the finished runs: a comparison that was interrupted goes on after them."""
 
 
-FULL = Size()
-QUICK = Size(tuple((name, (10**3,)) for name in DATA), 1)
+LARGEST = (("smooth", 10**6), ("cube", 2 * 10**5))
+LARGEST_METHODS = (
+    OURS,
+    SMALL,
+    "fieldrecon MLS, degree 2",
+    "SciPy RBF, r³, 40 neighbours",
+    "ferreus_rbf, thin plate",
+)
+"""Sizes and methods of the benchmark `million`."""
+FULL = Size(
+    Size.sites + of_surveys(),
+    elsewhere=tuple((_task(*one), peer) for one in LARGEST for peer in LARGEST_METHODS),
+    kept=Path(__file__).parents[1] / "build" / "finished-peers.jsonl",
+)
+QUICK = Size(tuple((name, (10**3,)) for name, _ in Size.sites) + of_surveys(), 1)
 TOY = Size((("smooth", (60,)), ("terrain", (80,))), 1, (OURS, "SciPy LinearND"))
 
 
@@ -116,10 +151,19 @@ def run(size: Size, track: Track) -> BenchmarkResult:
         if method in size.methods and c.takes(data, n)
     ]
     names = {" ".join(map(str, a)): a for a in asked}
-    runs, missing = [], []
+    runs: list[Run] = []
+    missing: list[str] = []
+    finished = FinishedRuns(size.kept)
     for name in track([*names], "peers"):
-        done = in_own_process(*names[name], repeats=size.repeats)
-        (runs if isinstance(done, Run) else missing).append(done)
+        done = finished.get(name)
+        if done is None:
+            done = in_own_process(*names[name], repeats=size.repeats)
+            finished.add(name, done)
+        if isinstance(done, str):
+            missing.append(done)
+        else:
+            runs.append(Run(**done))
+    finished.forget()
     return BenchmarkResult(
         parameters={
             "repeats": size.repeats,
@@ -128,14 +172,20 @@ def run(size: Size, track: Track) -> BenchmarkResult:
             "niceness": os.nice(0),
         },
         comparisons=[
-            c for data, sizes in size.sites for n in sizes for c in _ratios(runs, data, n)
+            c
+            for data, sizes in size.sites
+            for n in sizes
+            for c in _ratios(runs, data, n)
+            if (c.what, c.peer) not in size.elsewhere
         ],
         tables=[Table("Runs", COLUMNS, [r.row() for r in runs])],
         notes=[
-            "As many queries as sites; of the terrain all nodes that were not drawn. An error is "
+            "As many queries as sites; of the terrain and of surveys (see `surveys`) all that were "
+            "not drawn as sites. An error is "
             'against the truth, over the queries that a method answers; "left out" are those it '
             "does not (outside of the hull). CPU seconds over total seconds is the number of cores "
             "kept busy.",
+            *([ELSEWHERE] if size.elsewhere else []),
             *([YIELDING] if os.nice(0) < 0 else []),
             *(f"Did not end well: {what}." for what in missing),
         ],
@@ -148,9 +198,7 @@ def _ratios(runs: Sequence[Run], data: str, n: int) -> list[Comparison]:
         return []
     ours = runs_here[OURS].total
     return [
-        Comparison(
-            f"{data}, {n} sites: fit and evaluate", r.method, *_of_same_rounds(ours, r.total)
-        )
+        Comparison(_task(data, n), r.method, *_of_same_rounds(ours, r.total))
         for r in runs_here.values()
         if r.method != OURS
     ]
@@ -161,8 +209,8 @@ def _of_same_rounds(ours: list[float], theirs: list[float]) -> tuple[list[float]
     return ours[:rounds], theirs[:rounds]
 
 
-def in_own_process(data: str, n: int, method: str, repeats: int) -> Run | str:
-    """The result of a separate process, or the reason why there is none."""
+def in_own_process(data: str, n: int, method: str, repeats: int) -> dict[str, Any] | str:
+    """The fields of the `Run` of a separate process, or the reason why there is none."""
     command = [sys.executable, "-m", "benchmarks.peers", data, str(n), method, str(repeats)]
     root = Path(__file__).parents[1]
     about = f"{method} on {data}, {n} sites"
@@ -175,7 +223,8 @@ def in_own_process(data: str, n: int, method: str, repeats: int) -> Run | str:
     if done.returncode:
         last = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
         return f"{about}: {last}"
-    return Run(**json.loads(done.stdout.splitlines()[-1]))
+    fields: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return fields
 
 
 def in_this_process(data: str, n: int, method: str, repeats: int) -> Run:

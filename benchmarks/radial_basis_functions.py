@@ -12,9 +12,9 @@ from scipy.interpolate import RBFInterpolator
 
 from benchmarks.timing import BenchmarkResult, Comparison, Table, Track, in_turn
 from fieldrecon.datasets.synthetic import franke, uniform
+from fieldrecon.fields import Field
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.reconstruction import Field
 
 try:
     import ferreus_rbf

@@ -10,11 +10,12 @@ from functools import partial
 
 from benchmarks.timing import BenchmarkResult, Table, Track, in_turn, threads
 from fieldrecon.datasets.synthetic import franke, uniform
+from fieldrecon.fields import Field
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.reconstruction import Field, Reconstruction
+from fieldrecon.reconstruction import Reconstruction
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 
@@ -55,12 +58,26 @@ def cube(n: int) -> Scattered:
 
 
 def land(n: int) -> Scattered:
-    """Elevations in metres: random nodes of a grid are the sites, all other nodes the queries."""
+    """Elevations in metres at the nodes of a grid; the sites are random nodes."""
     grid = terrain()
-    points, height = grid.points, grid.height.ravel().astype(float)
-    chosen = np.zeros(len(points), dtype=bool)
-    chosen[np.random.default_rng(1).choice(len(points), n, replace=False)] = True
-    return Scattered(points[chosen], height[chosen], points[~chosen], height[~chosen])
+    return _some(grid.points, grid.height.ravel().astype(float), n)
+
+
+def survey_files() -> dict[str, Path]:
+    """Tables x, y, value of surveys by name, in the folder that FIELDRECON_SURVEYS names."""
+    folder = os.environ.get("FIELDRECON_SURVEYS")
+    return {path.stem: path for path in sorted(Path(folder).glob("*.csv"))} if folder else {}
+
+
+def survey_samples(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Samples (n, 2) and values (n,) of a table."""
+    table = np.loadtxt(path, delimiter=",", skiprows=1)
+    return table[:, :2], table[:, 2]
+
+
+def survey(path: Path, n: int) -> Scattered:
+    """A table; the sites are random samples."""
+    return _some(*survey_samples(path), n)
 
 
 DATA: dict[str, Callable[[int], Scattered]] = {
@@ -70,7 +87,14 @@ DATA: dict[str, Callable[[int], Scattered]] = {
     "clusters": clusters,
     "cube": cube,
     "terrain": land,
-}
+} | {name: partial(survey, path) for name, path in survey_files().items()}
+
+
+def _some(points: np.ndarray, values: np.ndarray, n: int) -> Scattered:
+    """Random samples are the sites, and all others the queries."""
+    chosen = np.zeros(len(points), dtype=bool)
+    chosen[np.random.default_rng(1).choice(len(points), n, replace=False)] = True
+    return Scattered(points[chosen], values[chosen], points[~chosen], values[~chosen])
 
 
 def _sampled(f: Callable[[np.ndarray], np.ndarray], points: np.ndarray, x: np.ndarray) -> Scattered:

@@ -13,21 +13,22 @@ makes those of the committed results, and says where their files are.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from time import process_time
 
 import numpy as np
 from scipy.interpolate import RBFInterpolator
 
 from benchmarks.compared_methods import Fit, kriging, scipy_linear, verde_cross_validated
+from benchmarks.scattered_data import survey_files, survey_samples
 from benchmarks.timing import BenchmarkResult, Table, Track
 from fieldrecon.datasets.elevation import terrain
-from fieldrecon.selection.cross_validation import CrossValidator, best
+from fieldrecon.reconstruction import Reconstruction
+from fieldrecon.selection.cross_validation import NO_FIELD, CrossValidator, best
 from fieldrecon.selection.error_bands import ErrorBand
 from fieldrecon.selection.leaving_one_out import leave_one_out
+from fieldrecon.selection.model_scores import ModelScore
 from fieldrecon.selection.models import MODELS
 
 KERNELS = ("linear", "thin_plate_spline", "cubic")
@@ -41,6 +42,8 @@ PEERS: dict[str, Fit] = {
     "kriging": kriging,
     "verde": verde_cross_validated,
 }
+DENSE, MOST = ("kriging", "verde"), 5000
+"""Peers with a dense matrix, and the largest number of samples that they take."""
 COLUMNS = (
     *("survey", "held out", "samples", "splits", "ours / SciPy", "ours / best of each split"),
     *(f"ours / {name}" for name in PEERS),
@@ -54,12 +57,19 @@ class Size:
     splits_of_few: int = 20
     """Of surveys of fewer than 1000 samples, whose splits differ more."""
     samples: int = 2500
-    """Largest number of samples of a survey; of a larger one, those nearest to a random one."""
+    """Of a larger survey, so many samples in its middle are measured, and the whole survey."""
+    splits_of_whole: int = 2
+
+    def of(self, count: int) -> int:
+        """Number of splits of a survey with this number of samples."""
+        if count > self.samples:
+            return self.splits_of_whole
+        return self.splits_of_few if count < FEW else self.splits
 
 
 FULL = Size()
-QUICK = Size(2, 2, 1500)
-TOY = Size(1, 1, 200)
+QUICK = Size(2, 2, 1500, 0)
+TOY = Size(1, 1, 200, 0)
 
 
 def run(size: Size, track: Track) -> BenchmarkResult:
@@ -67,7 +77,7 @@ def run(size: Size, track: Track) -> BenchmarkResult:
     rows = []
     for name, how in track(cases, "surveys"):
         points, values = surveys(size)[name]
-        splits = size.splits_of_few if len(points) < FEW else size.splits
+        splits = size.of(len(points))
         found = np.array([measured(points, values, how, seed) for seed in range(splits)])
         to_kernels, others = np.split(found, [len(KERNELS)], axis=1)
         to_best = to_kernels.mean(axis=0).max(), to_kernels.max(axis=1).mean()
@@ -78,8 +88,8 @@ def run(size: Size, track: Track) -> BenchmarkResult:
         notes=[
             "Ratios are those of root mean square errors at the held-out samples. The error of the "
             "chosen method is predicted by cross-validation on the other samples. The width of the "
-            "band is compared with the narrowest constant band of the same coverage. Of a larger "
-            "survey, the samples nearest to the middle are taken."
+            "band is compared with the narrowest constant band of the same coverage. Of a large "
+            "survey, the samples nearest to the middle are measured, and then all of it."
         ],
     )
 
@@ -96,11 +106,11 @@ def surveys(size: Size) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     rows = np.arange(grid.height.size).reshape(grid.height.shape)[::TRACKS_APART].ravel()
     height = grid.height.ravel().astype(float)
     found = {"terrain along tracks": (grid.points[rows], height[rows])}
-    if folder := os.environ.get("FIELDRECON_SURVEYS"):
-        for path in sorted(Path(folder).glob("*.csv")):
-            table = np.loadtxt(path, delimiter=",", skiprows=1)
-            found[path.stem] = table[:, :2], table[:, 2]
-    return {name: nearby(*samples, size.samples) for name, samples in found.items()}
+    found |= {name: survey_samples(path) for name, path in survey_files().items()}
+    parts = {name: nearby(*samples, size.samples) for name, samples in found.items()}
+    if not size.splits_of_whole:
+        return parts
+    return parts | {f"{n}, whole": s for n, s in found.items() if len(s[0]) > size.samples}
 
 
 def nearby(points: np.ndarray, values: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -145,23 +155,42 @@ def measured(points: np.ndarray, values: np.ndarray, how: str, seed: int) -> tup
     own, data, x, truth = points[~out], values[~out], points[out], values[out]
     began = process_time()
     validator = CrossValidator.of(own, data, x)
-    score, field = best(
-        validator.compare([*MODELS.values()]), lambda score: score.maker(own).field(data)
+    score, (method, found) = best(
+        validator.compare([*MODELS.values()]), lambda score: _fitted(score, own, data, x)
     )
     residuals = validator.residuals(score.maker)
-    band = ErrorBand(own, validator.folds, residuals, leave_one_out(field.method, data))
-    error, width = abs(field(x) - truth), band(x)
+    band = ErrorBand(own, validator.folds, residuals, _own_residuals(method, data))
+    error, width = abs(found - truth), band(x)
     seconds = process_time() - began
     covered = float(np.mean(error <= width))
     true = rms(error)
     return (
         *(true / _error_of_scipy(kernel, own, data, x, truth) for kernel in KERNELS),
-        *(_ratio(error, fit, own, data, x, truth) for fit in PEERS.values()),
+        *(
+            np.nan if name in DENSE and len(own) > MOST else _ratio(error, fit, own, data, x, truth)
+            for name, fit in PEERS.items()
+        ),
         rms(residuals) / true,
         covered,
         float(width.mean() / np.quantile(error, covered)),
         seconds,
     )
+
+
+def _fitted(
+    score: ModelScore, points: np.ndarray, values: np.ndarray, x: np.ndarray
+) -> tuple[Reconstruction, np.ndarray]:
+    """The method on all samples, and the values of its field at the queries."""
+    assert score.maker is not None, "a score without a method has a reason"
+    method = score.maker(points)
+    return method, method.field(values)(x)
+
+
+def _own_residuals(method: Reconstruction, values: np.ndarray) -> np.ndarray | None:
+    try:
+        return leave_one_out(method, values)
+    except NO_FIELD:
+        return None
 
 
 def _ratio(

@@ -26,6 +26,7 @@ extensions = [
     "myst_parser",
     "sphinx_gallery.gen_gallery",
     "docstrings",
+    "drawings",
     "chapters",
     "references",
 ]
@@ -68,9 +69,11 @@ sphinx_gallery_conf = {
     "show_signature": False,
     "write_computation_times": False,
     "reset_modules": ("matplotlib", "gallery_figures.reset"),
+    "image_scrapers": ("gallery_figures.scraper",),
 }
 
 html_theme = "furo"
+templates_path = [str(HERE / "templates")]
 html_static_path = [str(HERE / "static")]
 html_css_files = ["site.css"]
 html_js_files = [("reader.js", {"defer": "defer"})]
@@ -80,5 +83,5 @@ html_show_copyright = False
 html_last_updated_fmt = None
 html_permalinks_icon = "#"
 html_show_search_summary = False  # a page opened as a file may not read other files
-pygments_style = "tango"
-pygments_dark_style = "monokai"
+pygments_style = "xcode"
+pygments_dark_style = "github-dark"

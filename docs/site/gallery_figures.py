@@ -1,8 +1,33 @@
-"""Figures of the gallery: the same settings for each example, and the same bytes every time."""
+"""Figures of the gallery: the same settings for each example, and a second one for dark pages."""
 
+from __future__ import annotations
+
+import ast
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import Collection, PolyCollection, QuadMesh, TriMesh
+from matplotlib.colors import to_hex, to_rgba_array
+from matplotlib.contour import ContourSet
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.quiver import Quiver
+from matplotlib.text import Text
+
+from fieldrecon.plotting.figure_files import figure_bytes
+from fieldreport.build.screen_figures import dark_color, webp
+
+IMAGE = """
+.. image:: /{place}
+   :alt: {title}
+   :class: sphx-glr-single-img only-{page}
+
+"""
 
 
 def reset(_settings: dict[str, Any], _file: str) -> None:
@@ -17,3 +42,69 @@ def reset(_settings: dict[str, Any], _file: str) -> None:
             "image.origin": "lower",
         }
     )
+
+
+def scraper(_block: Any, variables: dict[str, Any], settings: dict[str, Any]) -> str:
+    """Save each figure of a block twice; the page shows the one that fits its colours."""
+    about = ast.get_docstring(ast.parse(Path(variables["src_file"]).read_text(encoding="utf-8")))
+    title = (about or "").partition("\n")[0]
+    shown = []
+    for number, path in zip(plt.get_fignums(), variables["image_path_iterator"], strict=False):
+        figure, light = plt.figure(number), Path(path).with_suffix(".webp")
+        dark = light.with_stem(f"{light.stem}_dark")
+        light.write_bytes(webp(figure_bytes(figure, "png")))
+        darken(figure)
+        figure.patch.set_visible(False)
+        dark.write_bytes(webp(figure_bytes(figure, "png")))
+        for file, page in ((light, "light"), (dark, "dark")):
+            place = file.relative_to(settings["src_dir"]).as_posix()
+            shown.append(IMAGE.format(place=place, title=title, page=page))
+    plt.close("all")
+    return "".join(shown)
+
+
+def darken(figure: Figure) -> None:
+    """Give lines, letters and areas the colours that they have on a dark page.
+
+    What lies on a map of colours keeps its own, as the map does.
+    """
+    on_maps = {id(artist) for axes in figure.axes if _is_map(axes) for artist in _drawn(axes)}
+    for artist in figure.findobj():
+        if id(artist) not in on_maps and isinstance(artist, Text | Line2D | Patch | Collection):
+            _darken(artist)
+
+
+def _is_map(axes: Axes) -> bool:
+    """Whether the axes show an image, or areas whose colours stand for numbers."""
+    return bool(axes.images) or any(map(_has_colored_areas, axes.collections))
+
+
+def _has_colored_areas(drawn: Collection) -> bool:
+    if isinstance(drawn, ContourSet):
+        return drawn.filled
+    areas = isinstance(drawn, QuadMesh | TriMesh | PolyCollection) and not isinstance(drawn, Quiver)
+    return areas and drawn.get_array() is not None
+
+
+def _drawn(axes: Axes) -> list[Artist]:
+    """What is drawn in the axes, without their frame, ticks and labels."""
+    return [*axes.lines, *axes.collections, *axes.patches, *axes.texts]
+
+
+def _darken(artist: Artist) -> None:
+    given = {name: getattr(artist, f"get_{name}")() for name in _colors_of(artist)}
+    for name, colors in given.items():
+        rgba = to_rgba_array(colors)
+        if len(rgba):
+            rgba[:, :3] = to_rgba_array([dark_color(to_hex(one)) for one in rgba])[:, :3]
+            getattr(artist, f"set_{name}")(
+                rgba if isinstance(artist, Collection) else tuple(rgba[0])
+            )
+
+
+def _colors_of(artist: Artist) -> tuple[str, ...]:
+    if isinstance(artist, Text):
+        return ("color",)
+    if isinstance(artist, Line2D):
+        return ("color", "markerfacecolor", "markeredgecolor")
+    return ("facecolor", "edgecolor")

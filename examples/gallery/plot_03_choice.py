@@ -19,7 +19,7 @@ validator = fr.selection.CrossValidator.of(points, heights, land.points[::97])
 scores = validator.compare([*fr.selection.MODELS.values()])
 scores = sorted((score for score in scores if np.isfinite(score.rms)), key=lambda score: -score.rms)
 for score in scores:
-    print(f"{score.model.name:>14}: {score.rms:5.1f} m")
+    print(f"{score.rms:5.1f} m  {score.model.name:<9} {score.model.meaning}")
 
 figure, axes = plt.subplots(layout="constrained")
 names = [score.model.meaning for score in scores]

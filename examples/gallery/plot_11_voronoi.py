@@ -25,4 +25,4 @@ ring = cell.points[np.argsort(np.arctan2(*about.T))]
 axes.fill(*ring.T, color="tab:blue", alpha=0.25)
 axes.scatter(*cell.points.T, s=600 * weights, color="tab:blue")
 axes.plot(*points[middle], "k*", markersize=10)
-axes.set(xlim=(0.25, 0.75), ylim=(0.25, 0.75), aspect="equal")
+axes.set(xlim=(0.25, 0.75), ylim=(0.25, 0.75), aspect="equal", xlabel="x", ylabel="y")

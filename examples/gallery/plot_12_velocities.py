@@ -24,7 +24,7 @@ print(f"largest error: {np.linalg.norm(found - exact, axis=1).max():.2g}")
 figure, axes = plt.subplots(figsize=(5.2, 4.4))
 axes.triplot(x, y, mesh.cells, color="0.85", linewidth=0.7)
 arrows = axes.quiver(
-    x, y, *found.T, np.linalg.norm(found - exact, axis=1), cmap="viridis_r", scale=18
+    x, y, *found.T, np.linalg.norm(found - exact, axis=1), cmap="cool_r", clim=(0, 0.5), scale=18
 )
 figure.colorbar(arrows, label="error")
-axes.set_aspect("equal")
+axes.set(xlabel="x", ylabel="y", aspect="equal")

@@ -18,6 +18,7 @@ from benchmarks import __main__ as command
 from benchmarks import charts, graders, grading, memory, mesh_scaling, pages, peers
 from benchmarks.assignments import SMALL, BenchmarkAssignment
 from benchmarks.compared_methods import METHODS, OURS
+from benchmarks.finished_runs import FinishedRuns
 from benchmarks.mesh_velocities import Flow
 from benchmarks.moving_least_squares import Problem
 from benchmarks.timing import BenchmarkResult, Chart, Comparison, cores, in_turn, threads
@@ -122,6 +123,23 @@ def test_each_method_runs_on_suitable_data_only():
     assert "wlsqm, degree 2" in asked["smooth", 1000] - asked["cube", 1000]
     assert "SciPy RBF" in asked["smooth", 1000] - asked["smooth", 10**6]
     assert all(OURS in names for names in asked.values())
+
+
+def test_an_interrupted_comparison_goes_on_after_its_finished_runs(tmp_path):
+    """Unless the code has changed; the file is deleted at the end."""
+    path, code = tmp_path / "build" / "runs.jsonl", tmp_path / "code.py"
+    code.write_text("x = 1\n")
+    first = FinishedRuns(path, tmp_path)
+    first.add("a r³ 1000", {"fit": [0.1, 0.25], "memory": 3})
+    first.add("b", "b: stopped after 400 s")
+    again = FinishedRuns(path, tmp_path)
+    assert again.get("a r³ 1000") == {"fit": [0.1, 0.25], "memory": 3}
+    assert again.get("b") == "b: stopped after 400 s"
+    assert again.get("c") is None
+    code.write_text("x = 2\n")
+    assert FinishedRuns(path, tmp_path).get("b") is None
+    again.forget()
+    assert not path.exists()
 
 
 @pytest.mark.slow
@@ -232,3 +250,13 @@ def test_the_speed_of_grading_is_stated_once_and_is_what_the_benchmark_requires(
     for factor in (f"{1 / ratio:.0f} times" for ratio in grading.AT_MOST.values()):
         assert factor in stated
     assert f"at most {grading.MOST_CPU:g} s" in stated
+
+
+def test_no_comparison_is_stated_twice():
+    """One ratio for what is measured against one other method, in all results together."""
+    stated = [
+        (comparison["what"], comparison["peer"])
+        for path in (ROOT / "benchmarks/results").glob("*.json")
+        for comparison in json.loads(path.read_text("utf-8"))["comparisons"]
+    ]
+    assert len(stated) == len(set(stated)) > 100

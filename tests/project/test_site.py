@@ -1,10 +1,14 @@
 """The site of the documentation: what it is assembled from, without Sphinx, which builds it."""
 
+import html
+import inspect
+import operator
 import os
 import re
 import runpy
 import sys
 
+import numpy as np
 import pytest
 
 import fieldrecon as fr
@@ -50,6 +54,94 @@ def test_every_public_name_has_a_page(site):
 def test_formulas_of_docstrings_are_no_markup(site, docstring, markup):
     """Code in backticks, examples, and names of arguments stay as they are."""
     assert site("docstrings").escaped([docstring]) == [markup]
+
+
+def test_displayed_formulas_are_typeset_and_keep_their_symbols(site):
+    """Without its tags a formula has the letters and numbers of the docstring, in their order."""
+    formulas, docstrings = site("formulas"), site("docstrings")
+    words = (formulas.GREEK | formulas.SIGNS).items()
+    spelled = {sign.strip(): word.strip() for word, sign in words}
+    found = []
+    for name in site("api").documented():
+        described = operator.attrgetter(name)(fr)
+        lines = (inspect.getdoc(described) or "").splitlines() if callable(described) else []
+        shown = [line for line in docstrings.with_formulas(lines) if 'class="formula"' in line]
+        plain = [symbols(line, spelled) for line in lines if line.startswith("    ")]
+        texts = [html.unescape(re.sub(r"<[^>]*>", "", line)) for line in shown]
+        found += [(symbols(text, spelled), plain) for text in texts]
+    assert len(found) >= 8
+    assert [formula for formula, plain in found if formula not in plain] == []
+
+
+def symbols(formula, spelled):
+    """The letters, numbers and signs, without what lowers or raises and its brackets."""
+    written = "".join(spelled.get(character, character) for character in formula)
+    return re.sub(r"[\s_^(){}]", "", written)
+
+
+def test_meanings_of_parameters_are_no_formulas(site):
+    """A further paragraph of a meaning is indented as a formula is."""
+    lines = [
+        "Sum.",
+        "",
+        "    s = sum_i x_i",
+        "",
+        "Parameters",
+        "----------",
+        "x : float",
+        "    One.",
+    ]
+    shown = site("docstrings").with_formulas([*lines, "", "    Two."])
+    assert [line for line in shown if "<p" in line] == [
+        '   <p class="formula"><i>s</i> = ∑<sub><i>i</i></sub> <i>x</i><sub><i>i</i></sub></p>'
+    ]
+    assert shown[-1] == "    Two."
+
+
+@pytest.mark.parametrize(
+    "path",
+    [*(ROOT / "docs" / "images").glob("*.svg"), *(ROOT / "benchmarks" / "results").glob("*.svg")],
+    ids=lambda path: path.stem,
+)
+def test_a_drawing_can_be_read_on_a_dark_page(site, path):
+    """Its lines on the page, and its letters, which are light there, on each area."""
+    drawings = site("drawings")
+    shown = drawings.drawing(path.read_text(encoding="utf-8"), path.stem, "What is to be seen")
+    assert shown.startswith('<svg class="picture" role="img" aria-label="What is to be seen"')
+    dark = dict(re.findall(r"--d(\w+): #(\w+)", shown))
+    kinds = dict.fromkeys(re.findall(r'(fill|stroke)(?:: |=")var\(--d(\w+),', shown))
+    assert {color for _, color in kinds} == set(dark)
+    ink, paper = "e4e4e4", "131313"
+    for kind, color in kinds:
+        is_area = kind == "fill" and contrast(color, paper) > 10
+        assert contrast(dark[color], ink if is_area else paper) > (4.5 if is_area else 1.3), color
+
+
+def contrast(one, other):
+    """The contrast of two colours, by the Web Content Accessibility Guidelines."""
+    dark, light = sorted(map(luminance, (one, other)))
+    return (light + 0.05) / (dark + 0.05)
+
+
+def luminance(color):
+    channels = [int(color[k : k + 2], 16) / 255 for k in (0, 2, 4)]
+    linear = [c / 12.92 if c < 0.04 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def test_defaults_in_signatures_are_names(site):
+    """Python prints a function or a class in angle brackets."""
+    printed = "(x, f=<function silent>, m=functools.partial(<class 'a.b.RBF'>, k=1), n=<factory>)"
+    shown, _ = site("docstrings").readable(None, "", "", None, None, printed, "")
+    assert shown == "(x, f=silent, m=functools.partial(RBF, k=1), n=...)"
+    assert site("docstrings").readable(None, "", "", None, None, "(x, y=1)", "") is None
+
+
+def test_fields_of_named_tuples_have_no_entries_of_their_own(site):
+    """Their docstring lists them as attributes; methods keep their entries."""
+    state, skips = fr.advection.State, site("docstrings").is_described
+    assert skips(None, "", "time", state.time, False, None)
+    assert skips(None, "", "index", state.index, False, None) is None
 
 
 def test_links_of_the_guides_lead_to_pages_or_to_copies(site, tmp_path):
@@ -150,3 +242,27 @@ def test_an_example_runs_and_draws(example, monkeypatch):
     runpy.run_path(example.name)
     assert plt.get_fignums()
     plt.close("all")
+
+
+def test_figures_of_the_gallery_have_the_colours_of_a_dark_page(site):
+    """Lines, marks, letters and areas of one grey become light; those on a map stay."""
+    from matplotlib.colors import to_rgb
+    from matplotlib.figure import Figure
+
+    page = Figure()
+    plain, chart = page.subplots(1, 2)
+    line, dots = (plain.plot([0, 1], [0, 1], look, color="black")[0] for look in ("-", "o"))
+    level = plain.contour(np.outer([0, 1, 2], [1, 1, 1]), [1.0], colors="black")
+    chart.imshow(np.eye(3))
+    on_map = chart.plot([0, 1], [0, 1], "o", color="black")[0]
+    site("gallery_figures").darken(page)
+    light = [
+        line.get_color(),
+        dots.get_markerfacecolor(),
+        plain.xaxis.label.get_color(),
+        chart.spines["left"].get_edgecolor(),
+        level.get_edgecolor()[0],
+    ]
+    assert min(min(to_rgb(color)) for color in light) > 0.8
+    assert max(to_rgb(on_map.get_markerfacecolor())) == 0
+    assert max(to_rgb(plain.get_facecolor())) < 0.1

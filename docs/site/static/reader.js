@@ -1,27 +1,134 @@
 // Helps for readers; everything is readable without them.
 
-// Long names are broken between their words.
-for (const code of document.querySelectorAll(":not(pre) > code")) {
-  const texts = document.createTreeWalker(code, NodeFilter.SHOW_TEXT), found = [];
-  while (texts.nextNode()) found.push(texts.currentNode);
-  for (const text of found) {
-    const words = text.data.split(/(?<=[_/.=(])(?=\w)/);
-    text.replaceWith(...words.flatMap((word, i) => i ? [document.createElement("wbr"), word] : [word]));
-  }
+// Long names are broken between their words, options are not.
+function breakBetweenWords(text) {
+  const words = text.data.split(/(?<=\w[_/.=(])(?=\w)|(?<=[a-z])(?=[A-Z][a-z])/);
+  text.replaceWith(...words.flatMap((word, i) => {
+    const parts = word.split(/((?<!\S)--?\w[\w-]*)/).map((part, k) => k % 2 ? unbroken(part) : part);
+    return i ? [document.createElement("wbr"), ...parts] : parts;
+  }));
 }
 
-// A formula that is too long is set smaller if that suffices, or gets the margin. Formulas and tables are
-// marked where they can be scrolled.
-for (const formula of document.querySelectorAll('.chapter math[display="block"]')) {
-  const size = 0.99 * formula.clientWidth / formula.scrollWidth;
-  if (0.7 < size && size < 0.99) formula.style.fontSize = `${size}em`;
+function unbroken(text) {
+  const span = document.createElement("span");
+  span.className = "unbroken";
+  span.textContent = text;
+  return span;
 }
-for (const box of document.querySelectorAll('.chapter math[display="block"], .chapter .scroll, .table-wrapper')) {
-  if (box.scrollWidth <= box.clientWidth + 1) continue;
-  if (box.localName === "math") box.parentElement.classList.add("beyond");
-  const mark = () => box.classList.toggle("cut", box.scrollWidth - box.scrollLeft > box.clientWidth + 1);
+
+for (const code of document.querySelectorAll(":not(pre) > code, .classifier, h1, .related-pages .title")) {
+  const texts = document.createTreeWalker(code, NodeFilter.SHOW_TEXT), found = [];
+  while (texts.nextNode()) found.push(texts.currentNode);
+  found.forEach(breakBetweenWords);
+}
+
+// A formula that is too long is broken at its wide spaces; if that does not suffice, before its further
+// relations, and then before its sums. One that still is too long is set smaller if that suffices, or
+// gets the margin. Formulas, tables and drawings are marked where they can be scrolled.
+const SMALLEST = 0.65;   // of the size of the text
+
+const isOperator = (part, signs) => part?.localName === "mo" && signs.includes(part.textContent);
+const isWide = part => part.localName === "mspace" && parseFloat(part.getAttribute("width")) >= 1;
+const isRelation = (part, before) => isOperator(part, RELATIONS) && before.some(p => isOperator(p, RELATIONS));
+const isSum = (part, before) => isOperator(part, "+−-") && before.length && before.at(-1).localName !== "mo";
+const RELATIONS = "=≤≥≈";
+
+// The parts of a line, cut before those at which it breaks, outside of parentheses; a wide space is left out.
+function cut(parts, breaks) {
+  const lines = [[]];
+  let depth = 0;
+  parts.forEach((part, k) => {
+    if (!depth && breaks(part, parts.slice(0, k))) lines.push([]);
+    if (breaks !== isWide || !isWide(part)) lines.at(-1).push(part);
+    for (const c of part.textContent) depth += "([{".includes(c) - ")]}".includes(c);
+  });
+  return lines;
+}
+
+function breakFormula(formula, breaks) {
+  const make = name => document.createElementNS(formula.namespaceURI, name);
+  const content = formula.querySelector("semantics").firstElementChild;
+  if (content.localName === "mtable") return [...content.children].forEach(row => breakRow(row, breaks));
+  const lines = cut([...content.children], breaks);
+  if (lines.length === 1) return;
+  const table = make("mtable");
+  table.setAttribute("displaystyle", "true");
+  for (const line of lines) table.appendChild(make("mtr")).appendChild(make("mtd")).append(...line);
+  content.replaceWith(table);
+}
+
+// The last cell of a row of aligned formulas continues in further rows.
+function breakRow(row, breaks) {
+  const cell = row.lastElementChild, [first, ...further] = cut([...cell.children], breaks);
+  if (!further.length) return;
+  cell.replaceChildren(...first);
+  row.after(...further.map(line => {
+    const next = row.cloneNode(true);
+    for (const empty of next.children) empty.replaceChildren();
+    next.lastElementChild.append(...line);
+    return next;
+  }));
+}
+
+const visible = formula => formula.clientWidth / formula.scrollWidth;
+
+function fit(formula) {
+  if (visible(formula) < 0.99) breakFormula(formula, isWide);
+  for (const breaks of [isRelation, isSum]) if (visible(formula) <= SMALLEST) breakFormula(formula, breaks);
+  const size = 0.99 * visible(formula);
+  if (SMALLEST < size && size < 0.989) formula.style.fontSize = `${size}em`;
+}
+
+// What is folded or hidden has no width yet.
+function whenShown(element, action) {
+  if (element.clientWidth) return action(element);
+  const observer = new ResizeObserver(() => {
+    if (!element.clientWidth) return;
+    observer.disconnect();
+    action(element);
+  });
+  observer.observe(element);
+}
+
+for (const formula of document.querySelectorAll('.chapter math[display="block"]')) whenShown(formula, fit);
+for (const formula of document.querySelectorAll('.chapter math:not([display="block"])')) {
+  const room = formula.closest("p, li, dd, td, figcaption");
+  const size = room && room.clientWidth / formula.getBoundingClientRect().width;
+  if (size < 1) formula.style.fontSize = `${size}em`;
+}
+
+// Drawings keep a size at which their smallest letters can be read, and may be scrolled instead.
+const LETTERS = 11;   // pixels
+
+for (const picture of document.querySelectorAll("p > svg.picture")) picture.parentElement.classList.add("drawing");
+for (const picture of document.querySelectorAll(".chapter figure > svg.picture")) {
+  const sizes = [...picture.querySelectorAll("text")].map(text => parseFloat(getComputedStyle(text).fontSize));
+  const least = LETTERS / Math.min(...sizes) * picture.viewBox.baseVal.width;
+  const column = picture.parentElement.clientWidth * parseFloat(picture.style.width) / 100;
+  if (!(column < 0.99 * least)) continue;
+  const box = document.createElement("div");
+  box.className = "drawing";
+  picture.replaceWith(box);
+  box.append(picture);
+  picture.style.minWidth = `${least}px`;
+}
+
+// On a narrow screen a table of text has its third column below the first two.
+for (const table of document.querySelectorAll(":is(.chapter .scroll, .table-wrapper) > table:not(.result, .names)")) {
+  const isLong = row => row.cells[2]?.textContent.length > 25;
+  if (table.rows[0].cells.length <= 4 && [...table.rows].some(isLong)) table.classList.add("stacked");
+}
+
+const MAY_SCROLL = '.chapter math[display="block"], .chapter .scroll, .table-wrapper, .drawing, .chapter pre, .highlight pre';
+for (const box of document.querySelectorAll(MAY_SCROLL)) {
+  const mark = () => {
+    const wide = box.scrollWidth > box.clientWidth + 1;
+    box.classList.toggle("cut", box.scrollWidth - box.scrollLeft > box.clientWidth + 1);
+    if (wide && box.localName === "math") box.parentElement.classList.add("beyond");
+    if (wide) box.tabIndex = 0;
+  };
   box.addEventListener("scroll", mark, { passive: true });
-  box.tabIndex = 0;
+  new ResizeObserver(mark).observe(box);
   mark();
 }
 
