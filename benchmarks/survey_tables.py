@@ -77,6 +77,7 @@ def main() -> None:
     parser.add_argument("downloads", type=Path)
     parser.add_argument("tables", type=Path)
     asked = parser.parse_args()
+    asked.tables.mkdir(parents=True, exist_ok=True)
     for name, survey in SURVEYS.items():
         for path in (asked.downloads / survey.file, asked.downloads / f"{survey.file}.xz"):
             if path.exists():

@@ -29,7 +29,9 @@ in one. Windows do not show the error of one polynomial through all samples."""
 _NEIGHBORS_PER_COEFFICIENT = 4
 _STRENGTHS = (0.0, *(10.0**k for k in range(-6, 1)))
 _PATCH_STRENGTHS = (0.0, 0.03, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
-_NOISY_PATCH, _WIDE_PATCH = 60, 240
+_NOISY_PATCH, _CROWDED_PATCH, _WIDE_PATCH = 60, 120, 240
+"""Numbers of samples in a patch: of separate samples, at most where many are near-duplicates, and
+beside gaps."""
 CAUTIOUS = ("mean", "linear", "pu1", "smooth", "pu2", "pusmooth")
 """Names of models, in the order in which they overshoot more and more where samples are few.
 
@@ -111,7 +113,7 @@ def with_wide_patches(maker: Maker | None) -> Maker | None:
 
 
 def _has_noisy_patches(maker: Maker) -> bool:
-    return isinstance(maker, partial) and maker.keywords.get("patch_size") == _NOISY_PATCH
+    return isinstance(maker, partial) and maker.keywords.get("patch_size", np.inf) < _WIDE_PATCH
 
 
 def _widened(maker: Maker) -> Maker:
@@ -222,7 +224,7 @@ def _patches(power: int, _: np.ndarray) -> list[list[Maker]]:
 def _smoothed_patches(power: int, degrees: Sequence[int], points: np.ndarray) -> list[list[Maker]]:
     """Patches of a kernel, with smoothing (s h)^power for the distance h between neighbours."""
     unit = _spacing(points)
-    patches = partial(PartitionOfUnityRBF, kernel=_kernel(power), patch_size=_NOISY_PATCH)
+    patches = partial(PartitionOfUnityRBF, kernel=_kernel(power), patch_size=_patch_size(points))
     return [
         [partial(patches, degree=m, smoothing=(unit * s) ** power) for s in _PATCH_STRENGTHS]
         for m in degrees
@@ -232,17 +234,33 @@ def _smoothed_patches(power: int, degrees: Sequence[int], points: np.ndarray) ->
 def _spacing(points: np.ndarray) -> float:
     """The median distance of a sample from the nearest one that is no near-duplicate of it.
 
+    A sample that has no others among its neighbours does not count.
+    """
+    distance, apart, mean = _neighbors(points)
+    nearest = distance[np.arange(len(distance)), apart.argmax(axis=1)]
+    counted = apart.any(axis=1)
+    return float(np.median(nearest[counted])) if counted.any() else mean or 1.0
+
+
+def _patch_size(points: np.ndarray) -> int:
+    """Number of samples in a patch, larger if many are near-duplicates, which count as one."""
+    _, apart, _ = _neighbors(points)
+    sites_per_sample = np.mean(1 / (~apart).sum(axis=1))
+    return min(round(_NOISY_PATCH / sites_per_sample), _CROWDED_PATCH)
+
+
+def _neighbors(points: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """Distances of some samples from their neighbours and themselves, which are near-duplicates.
+
     Near-duplicates, such as repeated measurements at a station, are nearer than a thousandth of
-    l / n^(1/d), with the extent l. A sample that has no others among its neighbours does not count.
+    l / n^(1/d), with the extent l. Returned are the distances, whether these are larger, and
+    l / n^(1/d).
     """
     n, d = points.shape
     mean = float(np.ptp(points, axis=0).max()) / n ** (1 / d)
     few = points[:: max(1, n // _TYPICAL)]
     distance = cKDTree(points).query(few, range(1, min(_REPEATED, n) + 1))[0]
-    apart = distance > _DUPLICATE * mean
-    nearest = distance[np.arange(len(few)), apart.argmax(axis=1)]
-    counted = apart.any(axis=1)
-    return float(np.median(nearest[counted])) if counted.any() else mean or 1.0
+    return distance, distance > _DUPLICATE * mean, mean
 
 
 def _no_variants(_: np.ndarray) -> list[list[Maker]]:
