@@ -6,6 +6,7 @@ import json
 import os
 import socket
 import subprocess
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field
@@ -127,11 +128,13 @@ class Server:
     limits: Limits = field(default_factory=Limits)
     _process: subprocess.Popen[bytes] | None = field(default=None, init=False, repr=False)
     _over: bool = field(default=False, init=False, repr=False)
+    _changing: threading.RLock = field(init=False, repr=False, compare=False)
+    """Held while the process starts or ends: the thread that ends it may not be its user."""
 
     @contextmanager
     def started(self) -> Iterator[Server]:
         """Start the server; at the end of the block, end it and all its processes."""
-        self._over = False
+        self._over, self._changing = False, threading.RLock()
         self._start()
         try:
             yield self
@@ -150,12 +153,13 @@ class Server:
         RuntimeError
             The server does not start, or it has been ended, perhaps by another thread.
         """
-        if self._over:
-            raise RuntimeError("the server has been ended")
-        if self._process is not None and self._process.poll() is not None:
-            self._stop()
-        if self._process is None:
-            self._start()
+        with self._changing:
+            if self._over:
+                raise RuntimeError("the server has been ended")
+            if self._process is not None and self._process.poll() is not None:
+                self._stop()
+            if self._process is None:
+                self._start()
         their_in, to_them = os.pipe()
         from_them, their_out = os.pipe()
         os.set_blocking(to_them, False)
@@ -225,15 +229,16 @@ class Server:
 
     def _stop(self) -> None:
         """End the server and with it its processes; kill it if it hangs."""
-        if self._process is None:
-            return
-        process, self._process = self._process, None
-        with suppress(OSError):
-            self._control.shutdown(socket.SHUT_RDWR)
-        self._control.close()
-        try:
-            process.wait(SECONDS_TO_END)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-        self._scratch.remove()
+        with self._changing:
+            if self._process is None:
+                return
+            process, self._process = self._process, None
+            with suppress(OSError):
+                self._control.shutdown(socket.SHUT_RDWR)
+            self._control.close()
+            try:
+                process.wait(SECONDS_TO_END)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+            self._scratch.remove()

@@ -427,13 +427,13 @@ def grade_and_stop(todo, temporary, by):
     wait_until(lambda: len(ledger(todo.out)) >= 3)
     assert list(temporary.glob("grading-*"))
     process.send_signal(by)
-    process.wait(600)
+    process.wait(120)
     wait_until(lambda: not list(temporary.glob("grading-*")))
     return process.returncode
 
 
 def wait_until(condition):
-    deadline = time.monotonic() + 600
+    deadline = time.monotonic() + 120
     while not condition():
         assert time.monotonic() < deadline
         time.sleep(0.02)

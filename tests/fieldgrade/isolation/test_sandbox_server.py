@@ -1,9 +1,12 @@
 """Tiers of isolation: the available ones in order of safety, and servers that clean up."""
 
+import os
 import subprocess
 import sys
+import tempfile
+import threading
 import time
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import pytest
@@ -51,6 +54,32 @@ def test_a_server_removes_its_folders_and_process():
         raise KeyError
     assert not scratch.exists()
     assert process.poll() is not None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("running", [True, False])
+def test_a_server_that_is_ended_while_it_starts_a_process_leaves_nothing(
+    running, tmp_path, monkeypatch
+):
+    """Another thread ends it, between the look at its process and the start of a new one."""
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    server, block = server_module.Server("none"), ExitStack()
+    block.enter_context(server.started())
+    process, ending = server._process, threading.Thread(target=block.close)
+
+    def poll():
+        ending.start()
+        time.sleep(0.5)
+        return None if running else 1
+
+    process.poll = poll
+    with suppress(RuntimeError):
+        for end in server.run():
+            os.close(end)
+    ending.join()
+    assert process.returncode is not None
+    assert list(tmp_path.iterdir()) == []
+    assert server._process is None
 
 
 GRADER = """
