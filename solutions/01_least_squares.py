@@ -33,8 +33,8 @@
 # which mistake is likely. Then `case()`, in a new cell, shows the inputs for which your function
 # failed, and your values. If everybody has the same inputs, it also shows the right values. A
 # function must not change its arguments. In all notebooks arrays may hold integers, as
-# `np.array([1, 2])` does; `x.astype(float)` is an array of real numbers. Compute with NumPy's
-# default type, float64; float32 has too few digits.
+# `np.array([1, 2])` does, so small that no product of them overflows; `x.astype(float)` is an array
+# of real numbers. Compute with NumPy's default type, float64; float32 has too few digits.
 
 # %% tags=["setup"]
 import numpy as np

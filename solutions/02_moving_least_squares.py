@@ -34,8 +34,8 @@
 # run the check below it. The check reports whether the function is right and, if it is not, which
 # mistake is likely. After a check that is not right, `case()` in a new cell shows the inputs for
 # which your function failed, and your values. If everybody has the same inputs, it also shows the
-# right values. Arrays may hold integers. Compute with float64, NumPy's default type. A function
-# must not change its arguments.
+# right values. Arrays may hold integers, so small that no product of them overflows. Compute with
+# float64, NumPy's default type. A function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -245,8 +245,9 @@ print("H c for c = (0, 5/2):", three_h @ np.array([0.0, 2.5]))
 # ### 02.2 The coefficients
 #
 # Write a function that solves (2.5) for given weights, all of them positive. In all questions of
-# this notebook the points determine the coefficients. Small weights count, too: where all points of
-# large weight are near one line, the others determine the slope across this line.
+# this notebook the points determine the coefficients. Small weights, down to $10^{-5}$ of the
+# largest, count, too: where all points of large weight are near one line, the others determine the
+# slope across this line.
 #
 # <details><summary>Hint</summary>
 #
@@ -609,8 +610,9 @@ print(differences(example_field, np.array([[1.0, 2.0]]), 0.1))
 # ### 02.7 The gradient at many evaluation points
 #
 # Write the gradient of $f$, with both terms of (2.8). It must be the derivative of the function of
-# 02.4. Compute it from the formulas. A difference quotient is a test, but no substitute: no step
-# $h$ suits every unit of length.
+# 02.4, and as there the points are near the origin, in any unit of length. Compute it from the
+# formulas. A difference quotient is a test, but no substitute: no step $h$ suits every unit of
+# length.
 #
 # <details><summary>Hint: the derivative of the system</summary>
 #

@@ -34,8 +34,8 @@
 # Each question asks for a function or for an answer in words. Write the function, run its cell, and
 # run the check below it. After a check that is not right, `case()` in a new cell shows the inputs
 # for which your function failed, and your values. If everybody has the same inputs, it also shows
-# the right values. Arrays may hold integers. Compute with float64, NumPy's default type. A function
-# must not change its arguments.
+# the right values. Arrays may hold integers, so small that no product of them overflows. Compute
+# with float64, NumPy's default type. A function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -483,7 +483,8 @@ def far_away(reach):
 #
 # A computed eigenvalue is rarely exactly zero. Count it as zero if its absolute value is less than
 # $10^{-12}$ times the largest absolute value: rounding errors are relative to the largest
-# eigenvalue.
+# eigenvalue. (In another unit of length the same points may have other eigenvalues that count as
+# zero.)
 #
 # <details><summary>Hint</summary>
 #

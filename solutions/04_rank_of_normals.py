@@ -31,8 +31,8 @@
 # Each question asks for a function or for an answer in words. Write the function, run its cell, and
 # run the check below it. After a check that is not right, `case()` in a new cell shows the inputs
 # for which your function failed, and your values. If everybody has the same inputs, it also shows
-# the right values. Arrays may hold integers. Compute with float64, NumPy's default type. A function
-# must not change its arguments.
+# the right values. Arrays may hold integers, so small that no product of them overflows. Compute
+# with float64, NumPy's default type. A function must not change its arguments.
 
 # %% [markdown]
 # ## A finished function

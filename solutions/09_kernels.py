@@ -34,7 +34,8 @@
 # Each question asks for a short function with a check below it, or for an answer in words. After a
 # check that is not right, `case()` in a new cell shows the inputs for which your function failed,
 # and your values. If everybody has the same inputs, it also shows the right values. Arrays may hold
-# integers. Compute with float64, NumPy's default type. A function must not change its arguments.
+# integers, so small that no product of them overflows. Compute with float64, NumPy's default type.
+# A function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -412,7 +413,8 @@ def six_points(out):
 # Write a function that solves (9.3) and evaluates (9.2) at the points $\mathbf{x}$. The power $k$
 # and the degree $n$ are arguments. For $n = -1$ there is no polynomial. The degree may also be
 # lower than the order requires. The given points are distinct and such that (9.3) has exactly one
-# solution; there may be as few points as monomials. Their coordinates may be some hundreds.
+# solution; there may be as few points as monomials. Their coordinates may be some hundreds. Use
+# them as they are: with too low a degree, another unit of length changes the field.
 # `saddle_point_matrix` combines the two blocks of the matrix; you state the blocks and the right
 # side.
 #
@@ -686,7 +688,8 @@ def too_many_variables(d, s):
 #
 # The functions $1, x_1, x_2$ cannot interpolate arbitrary values at three points on one line. Write
 # a function that returns the time $t$ between 0 and 1 at which the three points lie on one line. At
-# the start, $t = 0$, they do not lie on one line, so $\mathbf{p}_3 \neq \mathbf{m}$.
+# the start, $t = 0$, they do not lie on one line, so $\mathbf{p}_3 \neq \mathbf{m}$. The unit of
+# length may be any.
 #
 # <details><summary>Hint</summary>
 #

@@ -36,7 +36,8 @@
 # Each question asks for a short function with a check below it, or for an answer in words. After a
 # check that is not right, `case()` in a new cell shows the inputs for which your function failed,
 # and your values. If everybody has the same inputs, it also shows the right values. Arrays may hold
-# integers. Compute with float64, NumPy's default type. A function must not change its arguments.
+# integers, so small that no product of them overflows. Compute with float64, NumPy's default type.
+# A function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -691,7 +692,7 @@ def quotient(top, bottom):
 # ### 10.7 B-splines
 #
 # Write a function that returns all B-splines of a degree: a row for each point, a column for each
-# $i$.
+# $i$. The knots may have any unit of length, and may be far from the origin.
 #
 # <details><summary>Hint</summary>
 #

@@ -37,7 +37,8 @@
 # Each question asks for a function with a check below it, or for an answer in words. After a check
 # that is not right, `case()` in a new cell shows the inputs for which your function failed, and
 # your values. If everybody has the same inputs, it also shows the right values. Arrays may hold
-# integers. Compute with float64, NumPy's default type. A function must not change its arguments.
+# integers, so small that no product of them overflows. Compute with float64, NumPy's default type.
+# A function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -188,7 +189,8 @@ print(spacing(example))
 # %% [markdown]
 # ### 11.1 Normals and planarity
 #
-# Return the normals and the planarity of all points. All eigenvalues but the smallest are positive.
+# Return the normals and the planarity of all points. The points are such that all eigenvalues but
+# the smallest are positive. The cloud may be far from the origin.
 #
 # <details><summary>Hint</summary>
 #
@@ -257,8 +259,8 @@ def estimated(k, noise):
 #
 # ### 11.2 Neighbourhood graph
 #
-# Return $g$. There are at least $K$ points. The extent of the cloud may be tiny or huge, and the
-# cloud may be far from the origin.
+# Return $g$. There are at least $K$ points. The unit of length may be any, and the cloud may be far
+# from the origin.
 
 
 # %% question="11.2" minutes=15
@@ -448,7 +450,8 @@ def oriented(k):
 # ### 11.4 Distances of the off-surface points
 #
 # Return $\delta$ and $\delta'$ for each point. Each side has its own test. The normals have the
-# length 1. No two points of the cloud are equal, and no tested point has two nearest points.
+# length 1, and the unit of length may be any. No two points of the cloud are equal, and no tested
+# point has two nearest points.
 
 
 # %% question="11.4" minutes=20

@@ -39,7 +39,8 @@
 # Each question asks for a function with a check below it, or for an answer in words. After a check
 # that is not right, `case()` in a new cell shows the inputs for which your function failed, and
 # your values. If everybody has the same inputs, it also shows the right values. Arrays may hold
-# integers. Compute with float64, NumPy's default type. A function must not change its arguments.
+# integers, so small that no product of them overflows. Compute with float64, NumPy's default type.
+# A function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np

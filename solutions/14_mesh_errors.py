@@ -34,7 +34,8 @@
 # Each question asks for a function with a check below it, or for an answer in words. After a check
 # that is not right, `case()` in a new cell shows the inputs for which your function failed, and
 # your values. If everybody has the same inputs, it also shows the right values. Arrays may hold
-# integers. Compute with float64, NumPy's default type. A function must not change its arguments.
+# integers, so small that no product of them overflows. Compute with float64, NumPy's default type.
+# A function must not change its arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -704,8 +705,9 @@ check("14.7")
 #
 # For each of $K$ pairs of a segment and a triangle, return whether (14.5) holds. No triangle is
 # degenerate. No segment touches an edge or a corner of its triangle. Some segments end in the plane
-# of the triangle or lie in this plane. There (14.4) is zero, without rounding errors, so the first
-# condition does not hold. Pairs may be of any size, and far from the origin.
+# of the triangle or lie in this plane. There (14.4) is zero, so the first condition does not hold.
+# By products and sums it is zero without rounding errors. `np.linalg.det` divides, and rounds.
+# Pairs may be of any size, and far from the origin.
 #
 # <details><summary>Hint</summary>
 #

@@ -444,7 +444,7 @@ def signs_exchanged(points):
 @answers("03.5")
 def none_found_zero(points):
     """No eigenvalue is counted as zero. For points on one line of the plane, or two equal points,
-    one eigenvalue is zero. Rounding makes it a tiny number: was it compared with zero exactly?
+    one eigenvalue is zero. Were the eigenvalues counted? Rounding makes a zero a tiny number.
     """
     n, d = points.shape
     return n, d + 1, 0
@@ -671,8 +671,9 @@ def factor_forgotten(points, values):
 
 @answers("03.7")
 def factor_of_the_half_kernel(points, values):
-    """This is half of the energy. Is the factor that of (3.7)? Does the sum contain each pair of
-    points twice, as (i, j) and as (j, i)?
+    """This is half of the energy. Is the factor that of (3.7), and the kernel that of (3.1), with
+    the logarithm of the squared distance? Does the sum contain each pair twice, as (i, j) and
+    (j, i)?
     """
     lam, _ = solved(w(offsets(points, points)), basis(points), values)
     return 8 * np.pi * lam @ w(offsets(points, points)) @ lam
@@ -737,3 +738,12 @@ def root_of_it(points, values):
     """
     lam, _ = solved(w(offsets(points, points)), basis(points), values)
     return np.sqrt(np.abs(16 * np.pi * lam @ w(offsets(points, points)) @ lam))
+
+
+@answers("03.6", named=False)
+def nothing_where_the_logarithm_is_zero(points, lam, c, x):
+    """At a distance of one the logarithm is zero, but not its sum with one."""
+    y = x[:, None] - points
+    s = (y**2).sum(axis=-1).astype(float)
+    logs = np.log(s, out=np.zeros_like(s), where=s > 0)
+    return c[1:] + np.einsum("mn,mnd->md", np.where(logs != 0, 2 * (logs + 1), 0) * lam, y)

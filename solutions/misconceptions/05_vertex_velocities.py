@@ -339,9 +339,8 @@ def edges_at_the_vertex_only(triangles, edges, vertex, rings):
 
 @answers("05.6")
 def both_ends_in_the_ring(triangles, edges, vertex, rings):
-    """This selects every edge whose two ends are vertices of the ring. Two such vertices may be
-    joined by an edge that belongs to no triangle of the ring. Draw a vertex beside one with three
-    triangles.
+    """Some of these edges belong to no triangle of the ring, though both their ends are vertices of
+    it. Compare edges as pairs, not end by end. Draw a vertex beside one with three triangles.
     """
     corners = list(triangles_in_ring(triangles, vertex, rings)[1])
     return np.isin(edges, corners).all(axis=1)
@@ -725,3 +724,10 @@ def in_units_that_matter(points, triangles, rings):
         near = edges_in_ring(triangles, edges, i, rings)
         found.append(np.linalg.matrix_rank(rows(p[near], n[near], x), tol=1e-6))
     return np.array(found)
+
+
+@answers("05.7", named=False)
+def differences_of_products(midpoints, normals, x):
+    """Far from the origin the differences of products lose digits; those of points do not."""
+    far = np.hstack([midpoints[:, :1] * normals, midpoints[:, 1:] * normals])
+    return np.hstack([normals, far - np.hstack([x[0] * normals, x[1] * normals])])

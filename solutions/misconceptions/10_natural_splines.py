@@ -741,8 +741,8 @@ def counted_twice_at_knots(knots, degree, x):
 
 @answers("10.7")
 def divided_by_zero(knots, degree, x):
-    """At a double knot something was divided by zero, and one NaN spoils its neighbours. Such a
-    quotient counts as zero; there is a function for it in the notebook.
+    """At a double knot something was divided by zero, and one NaN spoils its neighbours. In the
+    recursion (10.12) such a quotient counts as zero; the notebook has a function for it.
     """
     t, b = knots, steps(knots, x)
     for k in range(1, degree + 1):
@@ -756,9 +756,9 @@ def divided_by_zero(knots, degree, x):
 
 @answers("10.7")
 def small_denominators_as_zero(knots, degree, x):
-    """The values are wrong only for knots that are very close in the unit of x: a fixed bound takes
-    different numbers as equal. Only a denominator that *is* zero counts as zero, and an interval
-    begins exactly at its knot.
+    """The values are wrong only for knots that are very close in the unit of x: a fixed number, as
+    a bound or added, is not small there. Only a denominator that *is* zero counts as zero, and an
+    interval begins exactly at its knot.
     """
     t, b = knots, steps(knots, x)
     for k in range(1, degree + 1):
@@ -867,3 +867,43 @@ def last_interval_closed(knots, degree, x):
     last = max(i for i in range(len(knots) - 1) if knots[i] < knots[i + 1])
     b[last] = ((knots[last] <= x) & (x <= knots[-1])) * 1.0
     return recursion(knots, degree, x, b)
+
+
+@answers("10.2", named=False)
+def two_sites_in_ascending_order(sites, values):
+    """The slope between two sites has the sign of their difference, not of their distance."""
+    if len(sites) == 2:
+        slope = (values[1] - values[0]) / abs(sites[1] - sites[0])
+        return np.zeros(2), np.array([values[0] - slope * sites[0], slope])
+    n = len(sites)
+    p = np.stack([np.ones(n), sites], axis=1)
+    rows = np.hstack([np.abs(np.subtract.outer(sites, sites)) ** 3, p])
+    system = np.vstack([rows, np.hstack([p.T, np.zeros((2, 2))])])
+    found = np.linalg.solve(system, np.append(values, [0, 0]))
+    return found[:n], found[n:]
+
+
+@answers("10.6", named=False)
+def difference_of_cubes(sites, M):
+    """The quotient of two differences loses digits where two moments are nearly equal."""
+    p, q = M[:-1], M[1:]
+    cubes = (q**3 - p**3) / np.where(q == p, 1, q - p)
+    return np.diff(sites) @ np.where(q == p, 3 * p * p, cubes) / 3
+
+
+@answers("10.7", named=False)
+def knots_compared_with_the_origin(knots, degree, x):
+    """A limit in proportion to the knots takes near knots far from the origin for double ones."""
+    t, least = knots, 1e-7 * np.abs(knots).max()
+
+    def share(a, b):
+        return a / b if b > least else 0.0 * a
+
+    b = [((t[i] <= x) & (x < t[i + 1])).astype(float) for i in range(len(t) - 1)]
+    for k in range(1, degree + 1):
+        b = [
+            share(x - t[i], t[i + k] - t[i]) * b[i]
+            + share(t[i + k + 1] - x, t[i + k + 1] - t[i + 1]) * b[i + 1]
+            for i in range(len(b) - 1)
+        ]
+    return np.stack(b, axis=1)

@@ -885,3 +885,27 @@ def last_side_forgotten(values):
                     CORNERS[i + 1] - CORNERS[i]
                 )
     return ends
+
+
+@answers("11.1", named=False)
+def distances_by_products(points, k):
+    """Far from the origin the squares of the coordinates leave no digits for distances."""
+    n, q = np.zeros(points.shape), np.zeros(len(points))
+    for i, p in enumerate(points):
+        near = points[np.argsort((points**2).sum(axis=1) - 2 * points @ p, kind="stable")[:k]]
+        values, vectors = np.linalg.eigh(np.cov(near.T, bias=True))
+        n[i], q[i] = vectors[:, 0], 1 - values[0] / values[1]
+    return n, q
+
+
+@answers("11.8", named=False)
+def in_units_of_the_largest_value(values):
+    """Tiny values divided by the largest of all squares become zero."""
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    ends = np.zeros((len(values), 2, 2))
+    for row, f in zip(ends, values / np.abs(values).max(), strict=True):
+        for i in range(4):
+            j = (i + 1) % 4
+            if (f[i] > 0) != (f[j] > 0):
+                row[int(f[j] > 0)] = square[i] + f[i] / (f[i] - f[j]) * (square[j] - square[i])
+    return ends

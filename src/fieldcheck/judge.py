@@ -69,17 +69,25 @@ def judge(
         if mistake:
             return Verdict(question.name, "misconception", mistake.sentence, mistake.name, call)
         if finding == "wrong":
-            values = _values(question, calls, outcomes)
-            sentence = _joined(sentence, pattern(question, calls, values, answers.right))
+            count = _number_in_form(question, calls, outcomes)
+            values = _values(question, calls[:count], outcomes[:count])
+            sentence = _joined(
+                sentence, pattern(question, calls[:count], values, answers.right[:count])
+            )
     return Verdict(question.name, finding, sentence, call=call)
 
 
 def _note(question: Question, calls: Sequence[Call], outcomes: Sequence[Outcome]) -> str:
-    """Return a hint on a right answer that is a list, or a matrix, rather than an array."""
+    """Return a hint on a right answer that is a list, a matrix or complex, no real array."""
     if any(outcome.returned == MATRIX for outcome in outcomes):
         return (
             f"But {question.function} returns {MATRIX}, for which * is the product of matrices, "
             "and which always has two axes. Where it is used below, use np.array(…) instead."
+        )
+    if any(v.dtype.kind == "c" for outcome in outcomes for v in outcome.values or ()):
+        return (
+            f"But {question.function} returns complex numbers. Where it is used below, arithmetic "
+            "needs real ones: return the real part."
         )
     listed = any(outcome.returned == LIST for outcome in outcomes)
     if not listed or any(len(question.shapes(call)) > 1 for call in calls):
@@ -99,16 +107,38 @@ def _failures(
     outcomes: Sequence[Outcome],
     answers: Answers | None,
 ) -> Iterator[Failure]:
-    """Yield the failures of the first call that has any, else those that the values show."""
-    for index, (call, outcome) in enumerate(zip(calls, outcomes, strict=True)):
-        form = list(_form(question, call, outcome))
-        yield from ((finding, sentence, index) for finding, sentence in form)
-        if form:
-            return
+    """Yield those that the values show before the first call without such values, or its own."""
+    count = _number_in_form(question, calls, outcomes)
+    if count < len(calls):
+        yield from _wrong_before(question, calls, outcomes, answers, count) or [
+            (finding, sentence, count)
+            for finding, sentence in _form(question, calls[count], outcomes[count])
+        ]
+        return
     yield from _wrong(question, calls, _values(question, calls, outcomes), answers)
     slowest = int(np.argmax([outcome.seconds for outcome in outcomes]))
     if outcomes[slowest].seconds > question.limit:
         yield "slow", _slow(question, calls[slowest], outcomes[slowest]), slowest
+
+
+def _number_in_form(question: Question, calls: Sequence[Call], outcomes: Sequence[Outcome]) -> int:
+    """Return the number of calls before the first without values of the right form."""
+    pairs = zip(calls, outcomes, strict=True)
+    return next((k for k, pair in enumerate(pairs) if any(_form(question, *pair))), len(calls))
+
+
+def _wrong_before(
+    question: Question,
+    calls: Sequence[Call],
+    outcomes: Sequence[Outcome],
+    answers: Answers | None,
+    count: int,
+) -> list[Failure]:
+    """Return the first wrong case among the first calls; the others have their right values."""
+    if answers is None or count == 0:
+        return []
+    values = _values(question, calls[:count], outcomes[:count])
+    return list(_wrong(question, calls, [*values, *answers.right[count:]], answers))
 
 
 def _values(question: Question, calls: Sequence[Call], outcomes: Sequence[Outcome]) -> list[Values]:

@@ -41,6 +41,12 @@ NEARLY_ONE = 1e-3
 LOST = 1e-3
 """Relative errors below this one are no decimals that an array of integers has lost."""
 
+FEWEST_NUMBERS = 3
+"""A factor without a name is told of so many numbers, as two are often two views of one."""
+
+FEWEST_ROWS = 4
+"""Tables of up to so many rows are special: their points may just determine the coefficients."""
+
 FAR_OFF = 100.0
 """Errors of this many times the tolerance are no rounding errors."""
 
@@ -131,10 +137,12 @@ def pattern(
     wrong = [case for case in cases if not case.right_if(lambda v, _: v)]
     if not wrong:
         return ""
-    # A wrong rank is no multiple of the right one, even if it happens to be twice as large.
-    factor = () if _are_single_whole_numbers(right) else (_factor,)
-    arithmetic = tuple(map(_from_the_corner, (_zero, *factor, _signs)))
-    of_numbers = () if are_truth_values(right) else (*arithmetic, _offset)
+    # A wrong rank is no multiple of the right one, even if it happens to be twice as large, and in
+    # special cases only it is too small by one for any reason.
+    rank = _are_single_whole_numbers(right)
+    arithmetic = tuple(map(_from_the_corner, (_zero, *(() if rank else (_factor,)), _signs)))
+    offset = () if rank and 2 * len(wrong) <= len(cases) else (_offset,)
+    of_numbers = () if are_truth_values(right) else (*arithmetic, *offset)
     kinds = (*of_numbers, _outputs, _order, _positions)
     found = (
         _integers(cases, wrong)
@@ -199,8 +207,10 @@ def _sizes(cases: Sequence[Case], wrong_cases: Sequence[Case]) -> str:
     wrong = {case.rows for case in wrong_cases}
     if not right or 0 in right | wrong or not all(case.is_far_off for case in wrong_cases):
         return ""
-    if len(right) == 1 and right != {1}:
+    if len(right) == 1:
         return ""  # such as the triangles among polygons, which are special
+    if max(right) <= FEWEST_ROWS:
+        return ""  # so few points may just determine the coefficients
     if max(wrong) < min(right):
         these, others = f"{min(right)} or more", f"{max(wrong)} or fewer"
     elif max(right) < min(wrong):
@@ -263,6 +273,8 @@ def _factor(wrong: Sequence[Case]) -> str:
     factors = [k for case in wrong if (k := _factor_of(case))]
     entries = [sum(np.count_nonzero(r) for r in case.right) for case in wrong]
     if len(factors) < len(wrong) or sum(entries) < 2 or _are_rounding(factors):
+        return ""
+    if max(entries) == 1 and len(wrong) < FEWEST_NUMBERS and not _named(factors[0]):
         return ""
     if np.allclose(factors, factors[0], rtol=CLOSE) and _plausible(factors[0], wrong):
         return f"The wrong values are the right ones {_times(factors[0])}."

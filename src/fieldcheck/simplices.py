@@ -44,8 +44,8 @@ def relative_to_a_corner(call: Call, values: Values) -> Values:
 
 
 @law_of_each(
-    "A circumcentre must be equally far from all corners. If this fails only far from the origin, "
-    "squares of large coordinates have lost digits.",
+    "A circumcentre must be equally far from all corners, also far from the origin, where squares "
+    "of coordinates lose digits.",
     DIGITS_FAR_AWAY,
 )
 def is_equally_far(call: Call, values: Values) -> float:

@@ -88,6 +88,11 @@ def last_wrong(x):
     return y
 
 
+def wrong_then_lost(x):
+    """The first call has wrong values, and the second NaN: the first one is told."""
+    return 3 * x if len(x) == 5 else x * np.nan
+
+
 @pytest.mark.parametrize(
     ("function", "finding", "words"),
     [
@@ -108,6 +113,7 @@ def last_wrong(x):
         (lambda x: x[:-1], "shape", r"of shape \(4,\)\. It should be an array of shape \(5,\)"),
         (lambda x: x[:, None], "shape", r"shape \(5, 1\)"),
         (lambda x: 2 * x / (x - x[0]), "not finite", "1 of 5 values are NaN or infinite"),
+        (wrong_then_lost, "wrong", r"off by \d"),
         (in_place, "modified", "changes its argument number 1"),
         (lambda x: x**2, "misconception", "These are the squares"),
         (last_wrong, "wrong", r"twice the sum\. For \d numbers, entry \[\d\] is off by 1\. The"),
@@ -118,7 +124,7 @@ def last_wrong(x):
         (lambda x: np.matrix(2 * x)[:, :-1], "shape", r"shape \(1, 4\)"),
         (lambda x: [2 * t for t in x.reshape(-1, 1, 1)], "shape", r"shape \(5, 1, 1\)"),
         (lambda x: tuple(2 * t for t in x.reshape(-1, 1, 1)), "right", ""),
-        (lambda x: 2 * x + 0j, "right", ""),
+        (lambda x: 2 * x + 0j, "right", "But twice returns complex numbers"),
     ],
 )
 def test_each_answer_gets_the_first_failed_check(function, finding, words):

@@ -240,7 +240,25 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
             )
         )
         + many_or_rescaled_fits(random)
+        + fits_by_small_weights(random)
     )
+
+
+def fits_by_small_weights(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return points of large weight on an axis or in a plane of axes, and others of small weight.
+
+    The small weights alone determine the slope across.
+    """
+    calls = []
+    for n, d, beside, words in (
+        (9, 2, 3, "nine points on an axis, three beside it with weights of 10⁻⁵"),
+        (12, 3, 4, "twelve points in a plane of axes, four beside it with weights of 10⁻⁵"),
+    ):
+        level = random.uniform(-1, 1, (n, d)) * np.append(np.ones(d - 1), 0)
+        points = np.vstack([level, random.uniform(0.5, 1, (beside, d))])
+        w = np.append(random.uniform(0.5, 2, n), 1e-5 * random.uniform(0.5, 2, beside))
+        calls.append(Call("weighted_fit", (points, random.normal(size=n + beside), w), words, (0,)))
+    return tuple(calls)
 
 
 def many_or_rescaled_fits(random: np.random.Generator) -> tuple[Call, ...]:

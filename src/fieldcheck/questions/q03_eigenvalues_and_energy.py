@@ -244,7 +244,7 @@ def nothing_for_rounding(call: Call, values: Values) -> Values:
 
 @law(
     "Adding an affine field must not change the energy. Three times the values must have nine "
-    "times the energy. Points twice as far apart must have a quarter of it."
+    "times the energy, and points twice as far apart a quarter of it. It must be positive."
 )
 def has_the_bending_energy(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the energies from e, e, 9e and e/4."""

@@ -166,7 +166,22 @@ def gradient_inputs(seed: int) -> tuple[Call, ...]:
         *single_evaluations("gradient", seed),
         *many_or_far("gradient", seed),
         *small_and_far(seed),
+        *one_unit_apart(seed),
     )
+
+
+def one_unit_apart(seed: int) -> tuple[Call, ...]:
+    """Return evaluation points at a distance of exactly one from centres, where the logarithm is
+    zero, but its derivative is not.
+    """
+    random = np.random.default_rng(seed + 4)
+    calls = []
+    for n, d, words in ((6, 2, "in the plane"), (7, 3, "in space")):
+        points = in_short_binary_numbers(cloud(random, n, d))
+        x = points[:d] + np.eye(d)
+        given = points, random.normal(size=n), random.normal(size=d + 1), x
+        calls.append(Call("gradient", given, f"points {words} one unit from centres", exact=(0, 3)))
+    return tuple(calls)
 
 
 def small_and_far(seed: int) -> tuple[Call, ...]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q04_rank_of_normals import along_axes
 from fieldcheck.questions.q05_edges import directions, mesh, sides
@@ -132,6 +132,7 @@ def system_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     p, n, x = samples(random, 9)
     few = samples(random, 4)
+    near, place = in_short_binary_numbers(few[0]), in_short_binary_numbers(few[2])
     one, normal, at = samples(random, 1)
     level = np.where((np.arange(9) % 3)[:, np.newaxis] == [1, 2], x, p)
     return calls_of(
@@ -160,6 +161,9 @@ def system_inputs(seed: int) -> tuple[Call, ...]:
             (integers(p), along_axes(random, 9, 2), integers(x)),
             "nine samples, all numbers integers",
         ),
+    ) + tuple(
+        Call("system", (near + away, few[1], place + away), f"four samples {words}", exact=(0, 2))
+        for away, words in ((2.0**26, "far from the origin"), (-(2.0**25), "in another place, far"))
     )
 
 

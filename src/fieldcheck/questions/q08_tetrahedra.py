@@ -84,7 +84,28 @@ def volume_inputs(seed: int) -> tuple[Call, ...]:
     ):
         corners = tuple(corner - call.arguments[0] for corner in call.arguments)
         calls.append(Call("volume", corners, case))
-    return near + tuple(calls) + small_simplices("volume", seed, near[0], near[3], size=SMALL)
+    small = small_simplices("volume", seed, near[0], near[3], size=SMALL)
+    return near + tuple(calls) + small + low(random)
+
+
+def low(random: np.random.Generator) -> tuple[Call, ...]:
+    """Return tetrahedra of the height 10⁻⁸ on a face that is parallel to two axes."""
+    face = np.array([[0, 0, 2], [11, 1, 2], [3, 12, 2]]) + random.integers(-2, 3, (1, 3))
+    tip = face.mean(axis=0) + np.array([0, 0, 2.0**-27])
+    corners = np.vstack([face, tip])
+    return tuple(
+        Call("volume", tuple(four), case, exact=(0, 1, 2, 3))
+        for four, case in (
+            (corners, "a tetrahedron of the height 10⁻⁸"),
+            (corners[[3, 1, 0, 2]][:, [2, 0, 1]], "another tetrahedron of the height 10⁻⁸"),
+        )
+    )
+
+
+def tolerance_of_flatness(call: Call) -> float:
+    """Return the error of a factorization, whose rounding errors are those of the longest side."""
+    sides = np.ptp(np.stack(call.arguments), axis=0)
+    return float(1e-9 + 1e-14 * sides.max() / sides.min())
 
 
 VOLUME_IS_HALVED = Law(
@@ -107,6 +128,8 @@ def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
                 ([0.02, 1, 1], "upright"),
                 ([1, 3e-3, 1], "three thousandths thick"),
                 ([3e-3, 1, 1], "upright, three thousandths thick"),
+                ([1, 1, 1e-4], "a ten-thousandth thick"),
+                ([1, 1e-4, 1], "upright, a ten-thousandth thick"),
             )
         ),
     )
@@ -187,6 +210,7 @@ QUESTIONS = (
         volume_inputs,
         lambda _: ((),),
         (VOLUME_IS_HALVED,),
+        tolerance_of_flatness,
     ),
     Question(
         "08.2",

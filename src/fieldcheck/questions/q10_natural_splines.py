@@ -83,6 +83,8 @@ def radial_inputs(seed: int) -> tuple[Call, ...]:
         ((few[:4], np.zeros(4, dtype=int)), "four values that are zero"),
         ((few, np.full(5, random.uniform(1, 2))), "five equal values"),
         ((random.permutation(line(random, 43)) / 3, random.normal(size=43)), "43 sites"),
+        ((few[1::-1], random.normal(size=2)), "two sites, the right one first"),
+        ((few[[3, 2]], random.integers(1, 9, 2)), "two other sites, the right one first"),
     )
 
 
@@ -300,9 +302,12 @@ def energy_inputs(seed: int) -> tuple[Call, ...]:
         (sites[:2], np.zeros(2, dtype=int), "two moments that are zero"),
     )
     away = line(random, 6) - 3e4, random.normal(size=6)
+    level, two = 3 + 1e-10 * random.normal(size=6), random.uniform(1, 2) + np.array([0, 3e-10])
     return (
         *(Call("energy", (x, m), case) for x, m, case in cases),
         Call("energy", away, FAR, exact=(0,)),
+        Call("energy", (sites, level), "six moments that are nearly equal"),
+        Call("energy", (sites[2:4], two), "two moments that are nearly equal"),
     )
 
 

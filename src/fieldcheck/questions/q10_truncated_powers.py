@@ -193,6 +193,13 @@ def b_spline_inputs(seed: int) -> tuple[Call, ...]:
         *calls,
         Call("b_splines", numbers, "seven knots and points, integers, and the degree 1"),
         Call("b_splines", away, "ten knots far from the origin", exact=(0, 2)),
+        *(
+            Call("b_splines", (0.01 * t + 2.0**24, k, 0.01 * x + 2.0**24), case, exact=(0, 2))
+            for (t, k, x), case in (
+                (calls[0].arguments, "eight knots 0.01 apart, very far from the origin"),
+                (calls[5].arguments, "seven knots 0.01 apart, very far from the origin"),
+            )
+        ),
     )
 
 

@@ -229,7 +229,9 @@ def more_orientations(random: np.random.Generator, calls: Sequence[Call]) -> tup
     return tuple(again)
 
 
-@law("Each normal must be the given one or its opposite, and must point outward.")
+@law(
+    "Each normal must be the given one or its opposite, and must point outward, upward on a sheet."
+)
 def point_outward(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the number of normals that point inward or are not ± the given ones."""
     wrong = 0.0

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
 from fieldcheck.question import Question, law, relative
 
 THICK = 0.4
@@ -121,7 +121,19 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((first, 6), "the same oval, six neighbours"),
         ((first[::-1] * [1.0, -1.0], 4), "the mirror image of the oval, four neighbours"),
         ((2.0**20 * oval(random, 13), 5), "an oval of the size 10⁶"),
-    ) + tuple(Call(name, (points, k), case, exact=(0,)) for points, k, case in exactly_flat)
+    ) + tuple(
+        Call(name, (points, k), case, exact=(0,))
+        for points, k, case in (
+            *exactly_flat,
+            *(
+                (in_short_binary_numbers(oval(random, n)) + 2.0**26 * np.array(side), k, words)
+                for n, k, side, words in (
+                    (14, 4, (1, -1), "an oval very far from the origin"),
+                    (17, 5, (-1, 1), "another oval very far from the origin"),
+                )
+            ),
+        )
+    )
 
 
 def normals_shapes(call: Call) -> tuple[tuple[int, ...], ...]:

@@ -315,6 +315,14 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
         ((2.0**-34 * signs[::-1] * distance,), "twelve squares with values of the size 10⁻¹⁰"),
         ((2.0**-600 * signs * distance,), "twelve squares with values of the size 10⁻¹⁸⁰"),
         ((random.permutation(signs * distance)[:1],), "one square"),
+        (
+            (2.0 ** np.array([[100], [-500], [0], [-900]] * 3) * signs * distance,),
+            "twelve squares, huge and tiny values in turn",
+        ),
+        (
+            (2.0 ** np.array([[-990], [-1], [200]] * 4) * signs[::-1] * distance,),
+            "twelve squares, tiny and huge values in turn",
+        ),
     )
     return (
         *different,
