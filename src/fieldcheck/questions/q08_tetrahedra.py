@@ -128,8 +128,8 @@ def circumcenter_inputs(seed: int) -> tuple[Call, ...]:
                 ([0.02, 1, 1], "upright"),
                 ([1, 3e-3, 1], "three thousandths thick"),
                 ([3e-3, 1, 1], "upright, three thousandths thick"),
-                ([1, 1, 1e-4], "a ten-thousandth thick"),
-                ([1, 1e-4, 1], "upright, a ten-thousandth thick"),
+                ([1, 1, 5e-4], "half a thousandth thick"),
+                ([1, 5e-4, 1], "upright, half a thousandth thick"),
             )
         ),
     )

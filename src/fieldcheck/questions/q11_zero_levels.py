@@ -316,7 +316,7 @@ def pieces_inputs(seed: int) -> tuple[Call, ...]:
         ((2.0**-600 * signs * distance,), "twelve squares with values of the size 10⁻¹⁸⁰"),
         ((random.permutation(signs * distance)[:1],), "one square"),
         (
-            (2.0 ** np.array([[100], [-500], [0], [-900]] * 3) * signs * distance,),
+            (2.0 ** np.array([[100], [-500], [0], [-990]] * 3) * signs * distance,),
             "twelve squares, huge and tiny values in turn",
         ),
         (

@@ -110,10 +110,10 @@ def test_degrees_are_known_by_their_units():
 )
 def test_uncertain_samples_count_less(method, lonlat):
     """With their standard deviations the error is less than half of that without them."""
-    points = fr.datasets.uniform(300, 2, seed=2)
-    sigma = np.where(np.arange(300) % 2, 1.0, 0.01)
-    noise = sigma * np.random.default_rng(0).standard_normal(300)
-    table = NAMED.reindex(range(300)).assign(
+    points = fr.datasets.uniform(450, 2, seed=2)
+    sigma = np.where(np.arange(450) % 2, 1.0, 0.01)
+    noise = sigma * np.random.default_rng(0).standard_normal(450)
+    table = NAMED.reindex(range(450)).assign(
         x=points[:, 0], y=points[:, 1], depth=fr.datasets.franke(points) + noise, std=sigma
     )
     inside = 0.1 + 0.8 * fr.datasets.uniform(200, 2, seed=3)
