@@ -229,7 +229,7 @@ class MovingLeastSquares(Reconstruction):
     def in_units(self, x: np.ndarray) -> np.ndarray:
         """Queries (m, d) in units of the cloud's size, refused if squares of distances overflow."""
         local = self._frame.scaled(x)
-        far = np.flatnonzero(~(np.abs(local).max(axis=1, initial=0.0) < 1e150))
+        far = np.flatnonzero(~(np.abs(local).max(axis=1) < 1e150))
         if len(far):
             where = valid.format_point(x[far[0]])
             raise OverflowError(

@@ -97,6 +97,7 @@ def test_a_polygon_soup_becomes_a_closed_mesh(capsys):
     ("options", "words"),
     [
         (["flat.xyz"], "in one plane or line"),
+        (["line.xyz"], "in one plane or line"),
         (["flat.xyz", "--out", "mesh.vtk"], "must end with .ply, .stl, .obj, .off"),
         (["solid.xyz", "--smoothing", "-1"], "smoothing must be zero"),
         (["none.ply"], "no such file"),
@@ -108,6 +109,7 @@ def test_wrong_input_has_status_2(folder, capsys, options, words):
     """The message on standard error says what is wrong, and no page is written."""
     flat = np.random.default_rng(0).random((200, 3)) * [1, 1, 0]
     np.savetxt("flat.xyz", flat)
+    np.savetxt("line.xyz", np.outer(flat[:, 0], [1, 2, 3]))
     np.savetxt("few.xyz", flat[:3])
     np.savetxt("solid.xyz", sample_surface(Ball(1.0), 60, seed=1)[0])
     assert main(["surface", *options]) == 2

@@ -6,6 +6,7 @@ import meshio
 import numpy as np
 import pytest
 
+from fieldrecon.io.mesh_content import divided
 from fieldrecon.io.meshes import read_mesh, read_mesh_and_data, read_surface, write_mesh
 from fieldrecon.io.ply import read_ply
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
@@ -176,6 +177,26 @@ def test_ply_files_have_vertex_and_face_data(tmp_path):
     path.write_text(header + "3 0 1 2 1 0.5 7\n4 0 1 3 2 2 0.5 0.5 9\n")
     with pytest.raises(ValueError, match="holds quad cells; triangles or tetrahedra were expected"):
         read_mesh(path)
+
+
+def test_a_list_before_the_corners_of_a_face_may_hold_any_numbers(tmp_path):
+    """Its numbers, here texture coordinates of which one is unknown, are not lengths of lists."""
+    header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+    header += "property float z\nelement face 2\nproperty list uchar float texture\n"
+    header += "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n"
+    path = tmp_path / "mesh.ply"
+    path.write_text(header + "2 nan 0.5 3 0 1 2\n2 0.5 -7 3 1 3 2\n")
+    assert read_mesh(path).cells.tolist() == [[0, 1, 2], [1, 3, 2]]
+
+
+@pytest.mark.parametrize("corners", [4, 5, 8])
+def test_a_convex_polygon_is_divided_from_its_first_corner(corners):
+    """In any plane in space, where other divisions have the same area up to rounding."""
+    angle = 2 * np.pi * np.arange(corners) / corners
+    plane = np.random.default_rng(corners).normal(size=(2, 3))
+    points = np.column_stack([np.cos(angle), np.sin(angle)]) @ plane
+    fan = [[0, k, k + 1] for k in range(1, corners - 1)]
+    assert divided(points, np.arange(corners)[None]).tolist() == fan
 
 
 @pytest.mark.parametrize(

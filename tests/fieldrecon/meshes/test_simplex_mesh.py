@@ -674,7 +674,7 @@ TETRAHEDRA = np.vstack([np.zeros(3), np.eye(3), [1, 1, 1]])
     [
         (SQUARE, [[0, 1, 1]], r"distinct vertices; cells\[0\] is \[0, 1, 1\]"),
         (SQUARE, [[0, 1, 4]], r"cells must index 4 points; cells\[0, 2\] is 4"),
-        (SQUARE, [[0, 1, 2], [0, -1, 2]], r"cells\[1, 1\] is -1"),
+        (SQUARE, [[0, 1, 2], [0, -1, 2], [4, 0, 1]], r"cells\[1, 1\] is -1"),
         (SQUARE, [[0.0, 1.0, 2.0]], "cells must be integers; got the type float64"),
         (SQUARE, [[0, 1, 2, 3]], r"cells must be triangles, shape \(c, 3\); got \(1, 4\)"),
         (SQUARE, np.zeros((0, 3), dtype=int), r"cells must be triangles.* got \(0, 3\)"),

@@ -141,6 +141,17 @@ def test_results_are_in_the_order_of_the_queries():
         np.testing.assert_allclose(backwards(), forwards(), atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    "make", [METHODS["MLS"], partial(MovingLeastSquares, weight=wendland(2, 1, 0.4)), METHODS["PU"]]
+)
+@pytest.mark.usefixtures("small_chunks")
+def test_sparse_weights_are_in_canonical_form(make):
+    """A row has each site once, in ascending order, as some programs outside SciPy require."""
+    m = make(SITES)
+    for matrix in (m.weights(QUERIES[:40]), *m.gradient_weights(QUERIES[:40])):
+        assert matrix.has_canonical_format
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["MLS", "PU", "PU on the globe"])
 @pytest.mark.usefixtures("small_chunks")

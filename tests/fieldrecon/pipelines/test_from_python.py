@@ -13,6 +13,7 @@ from scipy.spatial.distance import cdist
 
 import fieldrecon as fr
 from fieldrecon.cli.main import main
+from fieldrecon.pages.reconstruction_page import pictures, summary
 from fieldrecon.pipelines import audit, reconstruct, surface
 from fieldrecon.solids.shapes import Ball, sample_surface
 
@@ -363,6 +364,20 @@ def test_bad_rows_of_targets_are_kept_without_values(tmp_path):
         assert np.flatnonzero(np.isnan(arrays["values"])).tolist() == [2]
         assert arrays["points"].shape == (6, 2)
     assert any("1 row is not a point; the first, row 2: east" in w for w in survey.warnings)
+
+
+def test_errors_of_several_values_are_in_standard_deviations_of_each():
+    """The page says so in its table of methods, and does not for one value."""
+    for value in (PLANE, np.column_stack([PLANE, -PLANE])):
+        page = summary(plane(POINTS, value=value), {}, {})
+        assert ("in standard deviations of each value" in page) == (value.ndim == 2)
+
+
+def test_nine_samples_have_no_picture_of_their_variogram():
+    """Those of the field, its error and the distances from the samples are drawn."""
+    drawn = pictures(plane(POINTS[:9], value=PLANE[:9]))
+    assert {"reconstruction", "error", "nearest"} <= {*drawn}
+    assert "variogram" not in drawn
 
 
 @pytest.mark.slow

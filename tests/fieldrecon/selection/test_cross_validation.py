@@ -282,7 +282,7 @@ def test_expensive_methods_need_an_explicit_request():
     score = CrossValidator.of(points, franke(points)).evaluate(candidate)
     assert score.residuals is None
     assert score.reason == "not tried on more than 1000 samples unasked"
-    assert score.rms == np.inf
+    assert (score.n_held_out, score.rms, score.largest) == (0, np.inf, np.inf)
     for most, asked_for, tried in ((10, True, True), (1001, False, True), (1000, False, False)):
         model = Model("few", "LS", "", MODELS["ls1"].makers, max_samples=most)
         score = CrossValidator.of(points, franke(points)).evaluate(model, asked_for=asked_for)

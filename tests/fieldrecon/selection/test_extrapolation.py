@@ -1,11 +1,14 @@
 """Extrapolation: queries outside the hull or in a gap, in the plane, in space, on the globe."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
+from fieldrecon._core import chunks as _chunks
 from fieldrecon.datasets.synthetic import clustered, uniform
 from fieldrecon.methods.globe import to_unit
 from fieldrecon.selection.extrapolation import AMONG, GAP, OUTSIDE, extrapolated, outside_hull
@@ -33,6 +36,20 @@ def test_samples_are_not_extrapolated():
     assert not outside_hull(points, points).any()
     assert not outside_hull(points, middles).any()
     assert (extrapolated(points, points) == AMONG).all()
+
+
+def test_the_memory_of_a_hull_does_not_grow_with_the_queries(monkeypatch):
+    """It is less than a quarter of one number for each query and each of a thousand facets."""
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**16)
+    points = np.random.default_rng(0).standard_normal((500, 3))
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    queries = 2 * uniform(4000, 3, seed=1)
+    tracemalloc.start()
+    outside = outside_hull(points, queries)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert outside.any()
+    assert peak < 0.25 * (4000 * 1000 * queries.itemsize)
 
 
 def test_a_hull_without_interior_is_refused():
