@@ -32,15 +32,12 @@ class Command:
         A description in sentences; by default the help.
     needs : tuple of str
         Modules of optional packages that the command requires.
-    for_workers : tuple of str
-        Modules that its worker processes need; their import starts before that of the command.
     """
 
     module: str
     help: str
     description: str | None = None
     needs: tuple[str, ...] = ()
-    for_workers: tuple[str, ...] = ()
 
     def add_to(self, commands: argparse._SubParsersAction, name: str, called: bool) -> None:
         """Add the command to a parser, with its options if it is called."""
@@ -49,10 +46,6 @@ class Command:
         )
         if called:
             require(*self.needs)
-            if self.for_workers:
-                from fieldrecon._core.worker_processes import prepare
-
-                prepare(self.for_workers)
             import_module(self.module).add_arguments(parser)
 
 

@@ -115,10 +115,10 @@ def load(path: str | Path) -> Field:
     FileNotFoundError
         If there is no such file.
     """
-    return load_with_names(path, stacklevel=3)[0]
+    return load_with_names(path)[0]
 
 
-def load_with_names(path: str | Path, stacklevel: int = 2) -> tuple[Field, list[str]]:
+def load_with_names(path: str | Path) -> tuple[Field, list[str]]:
     """Read a field as `load` does, and the names that were given to `save`."""
     header, points, values = _content(path)
     if header["version"] == 1 and _has_patches(header.get("method")):
@@ -127,7 +127,7 @@ def load_with_names(path: str | Path, stacklevel: int = 2) -> tuple[Field, list[
             "may differ where sites are few, on lines, planes, circles or lattices, or far from "
             "the others",
             UserWarning,
-            stacklevel=stacklevel,
+            stacklevel=3,
         )
     try:
         method = _method(header["method"], points)

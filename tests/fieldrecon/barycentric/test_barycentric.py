@@ -15,8 +15,9 @@ from scipy.stats import ortho_group
 import laws
 from cases import case
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
-from fieldrecon.barycentric.polytope import Polytope
+from fieldrecon.barycentric.polytope import ROUNDINGS, Polytope
 from fieldrecon.barycentric.wachspress import ProductForm, _Products
+from fieldrecon.polynomials import EPS
 from laws import assert_close
 from polytopes import CUBE, GOLDEN, HEXAGON, OCTAHEDRON, POLYHEDRA, PYRAMID, TETRAHEDRON, regular
 
@@ -476,10 +477,11 @@ def test_vertices_of_non_convex_polytopes_are_refused(vertices, words):
         ),
         ([[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1]], "the vertices lie in a plane"),
         ([[1e6, 0], [1e6 + 1e-9, 0], [1e6, 1e-20]], "the vertices lie on a line"),
+        ([[np.cos(k), ROUNDINGS / 2 * EPS * np.sin(k)] for k in range(40)], "lie on a line"),
     ],
 )
 def test_flat_polytopes_are_refused(vertices, words):
-    """There are too few vertices, or all lie on a line or in a plane."""
+    """There are too few vertices, or all lie on a line or in a plane, up to rounding."""
     with pytest.raises(np.linalg.LinAlgError, match=words):
         BarycentricCoordinates(vertices)
 

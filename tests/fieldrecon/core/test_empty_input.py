@@ -3,6 +3,7 @@
 import numpy as np
 
 import fieldrecon as fr
+from fieldrecon.solids.shapes import Ball, sample_surface
 from fieldrecon.triangles import distances_to_triangles
 from laws import assert_close
 
@@ -14,6 +15,7 @@ OF_NOTHING = {
     "scrambled halton": lambda: fr.datasets.halton(0, 3, seed=1),
     "uniform": lambda: fr.datasets.uniform(0, 3, seed=1),
     "clustered": lambda: fr.datasets.clustered(0, 3, 2, 0.1, seed=1),
+    "sample_surface": lambda: sample_surface(Ball(1.0), 0, seed=1)[0],
     "off_surface_points": lambda: fr.off_surface_points(NONE, NONE).points,
     "off_surface_points at a distance": lambda: fr.off_surface_points(NONE, NONE, 0.5).points,
     "classified_points": lambda: fr.surfaces.classified_points(SPACE, SPACE + 1, NONE).points,

@@ -2,13 +2,9 @@
 
 import os
 import signal
-import subprocess
-import sys
 import warnings
 from multiprocessing.process import BaseProcess
 from types import SimpleNamespace
-
-import pytest
 
 from fieldrecon._core import worker_processes
 from fieldrecon._core.worker_processes import WorkerPool, _ctrl_c_blocked, start_process
@@ -23,28 +19,6 @@ def test_a_worker_is_prepared_before_its_first_call():
     with WorkerPool(1, begin=prepare) as pool:
         assert pool.submit(os.getenv, "PREPARED").result() == "yes"
     assert "PREPARED" not in os.environ
-
-
-CALL = """
-import argparse, sys
-from types import SimpleNamespace
-from fieldrecon._core.worker_processes import WorkerPool
-from fieldrecon.cli.commands import Command
-sys.modules["own"] = SimpleNamespace(add_arguments=print)
-own = Command("own", "help", for_workers=tuple(sys.argv[1:]))
-own.add_to(argparse.ArgumentParser().add_subparsers(), "own", called=True)
-with WorkerPool(1) as pool:
-    print(pool.submit(eval, "'colorsys' in __import__('sys').modules").result())
-"""
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no fork server")
-@pytest.mark.parametrize("modules", [[], ["colorsys"]])
-def test_workers_of_a_command_begin_with_the_modules_that_it_names(modules):
-    """A call of the command imports them once for all workers, and no others."""
-    command = [sys.executable, "-c", CALL, *modules]
-    printed = subprocess.run(command, check=True, timeout=60, capture_output=True).stdout
-    assert printed.split()[-1] == str(bool(modules)).encode()
 
 
 def test_ctrl_c_is_blocked_while_a_worker_is_started():

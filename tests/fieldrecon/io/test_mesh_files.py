@@ -256,17 +256,27 @@ def test_without_meshio_the_install_command_is_shown(tmp_path, monkeypatch):
         read_mesh(tmp_path / "mesh.vtk")
 
 
-def test_data_of_triangles_and_quadrilaterals_in_one_list_are_parted(tmp_path):
+@pytest.mark.parametrize(
+    ("faces", "shapes", "regions"),
+    [
+        (("3 0 1 2 10", "3 0 2 3 20"), [(2, 3)], [[10, 20]]),
+        (("3 0 1 2 10", "3 0 2 3 20", "4 1 4 5 2 30"), [(2, 3), (1, 4)], [[10, 20], [30]]),
+    ],
+)
+def test_data_of_triangles_and_quadrilaterals_in_one_list_are_parted(
+    tmp_path, faces, shapes, regions
+):
     """A PLY file has one list of faces; the data of each block belong to its cells."""
     lines = (
         *("ply", "format ascii 1.0", "element vertex 6"),
         *(f"property float {name}" for name in "xyz"),
-        *("element face 3", "property list uchar int vertex_indices", "property float region"),
-        *("end_header", "0 0 0", "1 0 0", "1 1 0", "0 1 0", "2 0 0", "2 1 0"),
-        *("3 0 1 2 10", "3 0 2 3 20", "4 1 4 5 2 30"),
+        *(f"element face {len(faces)}", "property list uchar int vertex_indices"),
+        *("property float region", "end_header"),
+        *("0 0 0", "1 0 0", "1 1 0", "0 1 0", "2 0 0", "2 1 0"),
+        *faces,
     )
-    path = tmp_path / "mixed.ply"
+    path = tmp_path / "faces.ply"
     path.write_text("\n".join(lines) + "\n")
     content = read_ply(path)
-    assert [cells.shape for _, cells in content.cells] == [(2, 3), (1, 4)]
-    assert [data.tolist() for data in content.cell_data["region"]] == [[10, 20], [30]]
+    assert [cells.shape for _, cells in content.cells] == shapes
+    assert [data.tolist() for data in content.cell_data["region"]] == regions

@@ -137,6 +137,14 @@ def test_weights_and_colours_of_obj_vertices_are_left_out(tmp_path):
         assert triangles.tolist() == [[0, 1, 2]]
 
 
+def test_quads_are_refused_unless_triangles_are_asked_for(tmp_path):
+    """Then by a diagonal from their first corner."""
+    path = written(tmp_path, "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", "mesh.obj")
+    with pytest.raises(ValueError, match=r"mesh.obj holds quad cells"):
+        read_triangles(path)
+    assert read_triangles(path, triangulate=True)[1].tolist() == [[0, 1, 2], [0, 2, 3]]
+
+
 def test_a_binary_element_of_single_bytes_is_read(tmp_path):
     """It stands at the end of the file, one byte for each vertex."""
     header = (

@@ -11,7 +11,7 @@ from scipy.spatial.distance import cdist, pdist
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels import gaussian, singular_exchange
 from fieldrecon.polynomials import dimension, exponents, monomials
-from laws import refused
+from laws import assert_close, refused
 
 
 def exact_sign(points: np.ndarray, degree: int) -> int:
@@ -51,6 +51,19 @@ def test_the_exact_determinant_changes_its_sign_at_the_time(d, degree):
         others = np.delete(np.arange(len(p)), pair)
         assert np.array_equal(found.sites[others], p[others])
         assert np.array_equal(found.at(1.0)[list(pair)], p[list(pair)[::-1]])
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_two_sites_alone_change_places_on_a_half_circle(d):
+    """Their midpoint and their distance stay, and they move by pi / 2 distances at even speed."""
+    start = np.array([[3.0, 1.0, 5.0], [4.0, 1.5, 7.0]])[:, :d]
+    found = singular_exchange(lambda x: np.column_stack([np.ones(2), x[:, 0]]), start)
+    path = np.array([found.at(t) for t in np.linspace(0, 1, 101)])
+    distance = pdist(start)[0]
+    assert_close(path.mean(axis=1), np.tile(start.mean(axis=0), (101, 1)), 1e-14)
+    assert_close(np.linalg.norm(path[:, 0] - path[:, 1], axis=1), np.full(101, distance), 1e-14)
+    step = distance * np.sin(np.pi / 200)
+    assert_close(np.linalg.norm(np.diff(path[:, 0], axis=0), axis=1), np.full(100, step), 1e-12)
 
 
 def test_functions_that_move_with_the_sites_are_refused():

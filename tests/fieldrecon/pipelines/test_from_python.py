@@ -290,10 +290,12 @@ def test_several_values_are_written_in_columns(tmp_path):
 
 
 def test_values_may_be_columns_of_an_array():
+    """The first is drawn, if none is named."""
     values = np.column_stack([PLANE, -PLANE])
     survey = plane(POINTS, value=values, sigma=np.linspace(0.1, 0.2, 60))
     assert survey.samples.value_names == ("value_1", "value_2")
     np.testing.assert_allclose(survey.predict([0.25, 0.5]).values, [1.25, -1.25])
+    assert survey.plot().axes[-1].get_ylabel() == "value_1"
 
 
 # --- what comes out -------------------------------------------------------------------------------

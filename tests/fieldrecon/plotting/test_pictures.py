@@ -2,18 +2,23 @@
 
 import io
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from fieldrecon.io.targets import Targets, TargetValues, grid_nodes
 from fieldrecon.pages.reconstruction_page import _flattened
+from fieldrecon.pipelines.scans import ScanResult
 from fieldrecon.pipelines.validation import Validation
 from fieldrecon.pipelines.variograms import variogram
 from fieldrecon.plotting.field_pictures import _draw_scattered, _drawn, _set_axes
 from fieldrecon.plotting.mesh_pictures import Marks, MeshPicture, draw, marks, plot_audit
 from fieldrecon.plotting.style import PLAIN_NUMBERS, figure
+from fieldrecon.plotting.surface_picture import plot
 from fieldrecon.plotting.validation_pictures import plot_distances, plot_variogram
+from fieldrecon.solids.marching_cubes import extract_surface
+from fieldrecon.solids.shapes import Ball
 from fieldrecon.triangles.audit import audit_mesh
 from fieldreport.experiments.triangles.triangle_shapes import cube
 
@@ -50,6 +55,17 @@ def test_only_a_picture_with_errors_has_a_legend(damaged):
     triangles = triangles[int(damaged) :]
     page = plot_audit(audit_mesh(points, triangles), points, triangles)
     assert len(page.legends) == damaged
+
+
+@pytest.mark.parametrize("invented", [False, True])
+def test_only_a_surface_far_from_the_points_of_its_scan_has_a_legend(invented):
+    """It explains the colour of the triangles where the surface is invented."""
+    body = Ball(1.0)
+    mesh = extract_surface(body, spacing=0.5)
+    gaps = np.arange(len(mesh.triangles)) < invented
+    scan = ScanResult(None, np.zeros(3), body, mesh, np.zeros(0), gaps, False, "a ball")
+    words = [text.get_text() for legend in plot(scan, (0, 0, 1)).legends for text in legend.texts]
+    assert words == ["far from all points: invented"] * invented
 
 
 def test_visible_marks_are_filled_and_opaque_and_hidden_ones_are_not():
@@ -187,8 +203,12 @@ def test_pictures_of_distances_name_their_curves_and_show_all_of_them():
     points = np.random.default_rng(0).random((60, 2))
     validation = Validation(None, *np.random.default_rng(1).random((3, 9)), *np.zeros((2, 9)))
     (axes,) = plot_distances(validation).axes
+    assert axes.get_xlabel() == "distance from the nearest sample"
+    assert axes.get_ylabel() == "fraction of points"
     names = [text.get_text() for text in axes.get_legend().get_texts()]
     assert names == ["targets", "held-out samples", "leave-one-out"]
     found = variogram(points, points[:, 0])
+    on_globe = plot_distances(replace(validation, unit=" degrees")).axes[0]
+    assert on_globe.get_xlabel() == "distance from the nearest sample, degrees"
     (axes,) = plot_variogram(found, "f").axes
     assert axes.get_xlim() == (0.0, found.distances.max())

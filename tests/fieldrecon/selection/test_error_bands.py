@@ -52,15 +52,21 @@ def test_a_band_that_ignores_the_distance_is_wide_near_the_samples():
     assert band.covered == pytest.approx(0.955, abs=0.006)
 
 
-def test_errors_that_grow_with_the_roughness_have_a_band_that_follows():
-    """Half of the field is ten times as rough: the band there is over 2.5 times as wide."""
+@pytest.mark.parametrize("beside", [0, 2000])
+def test_errors_that_grow_with_the_roughness_have_a_band_that_follows(beside):
+    """Half of the square is ten times as rough: the band there is over 2.5 times as wide.
+
+    Also if there are as many samples on a smooth strip beside it, near to each other.
+    """
     rng = np.random.default_rng(0)
-    points = fr.datasets.uniform(2000, 2, seed=0)
+    strip = fr.datasets.uniform(beside, 2, seed=2) * [-0.1, 1]
+    points = np.concatenate([fr.datasets.uniform(2000, 2, seed=0), strip])
+    n = len(points)
     rough = np.where(points[:, 0] > 0.5, 1.0, 0.1)
-    own = rough * rng.standard_normal(2000)
-    folds = single_folds(2000)
+    own = rough * rng.standard_normal(n)
+    folds = single_folds(n)
     order = np.concatenate([fold.held_out for fold in folds])
-    residuals = rough[order] * rng.standard_normal(2000)
+    residuals = rough[order] * rng.standard_normal(n)
     band, blind = ErrorBand(points, folds, residuals, own), ErrorBand(points, folds, residuals)
     left, right = np.array([[0.2, 0.5]]), np.array([[0.8, 0.5]])
     assert band.exponent > 0

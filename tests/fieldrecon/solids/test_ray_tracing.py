@@ -59,13 +59,18 @@ def test_accelerated_rays_have_the_same_intersections():
     assert max(cost[1:]) < 0.7 * cost[0]
 
 
-def test_zeros_are_found_in_few_evaluations():
+@pytest.mark.parametrize(
+    "function",
+    [Ball(1.0), lambda x: 1 - (x**2).sum(axis=1), lambda x: np.expm1(5 * Ball(1.0)(x))],
+    ids=["distance", "concave", "convex"],
+)
+def test_zeros_are_found_in_few_evaluations(function):
     """The order of the false position with halved ends is 1.4; bisection would take 40 steps."""
-    ball, calls = Ball(1.0), []
+    calls = []
 
     def counted(x):
         calls.append(len(x))
-        return ball(x)
+        return function(x)
 
     found = fr.solids.ray_intersections(counted, [[0.1, 0.2, 3.0]], [0.0, 0.0, -1.0], [6.0], 0.5)
     np.testing.assert_allclose(found, 3.0 - np.sqrt(0.95), rtol=1e-12)
@@ -133,6 +138,14 @@ def test_phong_lighting_has_full_and_ambient_light():
     assert (toward > 0.9).all()
     assert (away < 0.3).all()
     np.testing.assert_array_equal(away, none)
+
+
+def test_pixels_are_squares_of_the_longer_side_however_deep_the_box_is():
+    """A box of 2 by 1, seen along its third side."""
+    for depth in (0.5, 7.0):
+        view = fr.solids.View.of_box([[0, 0, 0], [2, depth, 1]], (0, -1, 0), 40)
+        assert view.lengths.shape == (20, 40)
+        np.testing.assert_allclose(view.lengths, depth)
 
 
 def test_a_view_along_the_up_direction_is_refused():
