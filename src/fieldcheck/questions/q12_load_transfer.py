@@ -80,8 +80,8 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         *calls,
         Call("weights", (1e3 * line, 1e3 * y), "five nodes on the line, in millimetres"),
         Call("weights", (1e3 * plane, 1e3 * x), "twelve nodes in the plane, in millimetres"),
-        Call("weights", (2.0**-24 * line, 2.0**-24 * y), "five nodes on the line, 10⁻⁸ apart"),
-        Call("weights", (2.0**-23 * plane, 2.0**-23 * x), "twelve nodes in the plane, 10⁻⁷ apart"),
+        Call("weights", (2.0**-19 * line, 2.0**-19 * y), "five nodes on the line, 10⁻⁶ apart"),
+        Call("weights", (2.0**-19 * plane, 2.0**-19 * x), "twelve nodes in the plane, 10⁻⁶ apart"),
     )
 
 
