@@ -109,7 +109,7 @@ def _failures(
 ) -> Iterator[Failure]:
     """Yield the failures of the first call without values of the right form, or of the values.
 
-    Wrong values before it are told first, unless it raised: whether a nearly singular system raises
+    Wrong values before it are reported, unless it raised: whether a nearly singular system raises
     depends on the machine.
     """
     count = _number_in_form(question, calls, outcomes)

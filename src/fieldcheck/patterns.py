@@ -42,7 +42,7 @@ LOST = 1e-3
 """Relative errors below this one are no decimals that an array of integers has lost."""
 
 FEWEST_NUMBERS = 3
-"""A factor without a name is told of so many numbers, as two are often two views of one."""
+"""Fewest numbers of which a factor without a name is reported: two are often views of one."""
 
 FEWEST_ROWS = 4
 """Tables of up to so many rows are special: their points may just determine the coefficients."""

@@ -89,7 +89,7 @@ def last_wrong(x):
 
 
 def wrong_then_lost(x):
-    """The first call has wrong values, and the second NaN: the first one is told."""
+    """The first call has wrong values, and the second NaN: the first one is reported."""
     return 3 * x if len(x) == 5 else x * np.nan
 
 
