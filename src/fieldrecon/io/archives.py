@@ -12,8 +12,8 @@ def write_archive(path: Path, arrays: Mapping[str, ArrayLike]) -> None:
     """Write named arrays as NPZ.
 
     They are packed in memory first: on a full disk NumPy 2.1 leaves the archive half open, and
-    Python complains of it at some later time.
+    Python complains of it at some later time. So does Python 3.13 of a view of this memory.
     """
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)  # type: ignore[arg-type]
-    path.write_bytes(buffer.getbuffer())
+    path.write_bytes(buffer.getvalue())
