@@ -16,7 +16,7 @@ from fieldcheck.shapes import fitted
 from fieldgrade.authoring.catalogue import Entry, entries
 from fieldgrade.authoring.sources import Source
 
-SAME = 0.5
+SAME = 0.2
 """Known answers that differ by less, in units of the tolerance, differ only by rounding: those of
 some mistakes do, on another processor."""
 
