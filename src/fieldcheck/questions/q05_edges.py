@@ -148,14 +148,14 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     near = calls_of(
         name,
         ((points, sides(triangles, random)), "the edges of a mesh"),
-        ((1e-9 * cross, np.array([[1, 0], [0, 2]])), "two edges along the axes, of length 10⁻⁹"),
+        ((1e-12 * cross, np.array([[1, 0], [0, 2]])), "two edges along the axes, of length 10⁻¹²"),
         ((50 * more - 20, sides(others, random)), "a larger mesh"),
         ((integers(points, 1e4), sides(triangles, random)), "a mesh of integers"),
         ((integers(more, 1e4), sides(others, random)), "another mesh of integers"),
         ((integers(cross), np.array([[0, 1], [2, 0]])), "two edges along the axes, integers"),
         ((points, sides(triangles, random)[:1]), "one edge of a mesh"),
         ((integers(more, 1e4), sides(others, random)[:1]), "one edge of a mesh of integers"),
-        ((1e-6 * more, sides(others, random)), "a mesh in a square of 10⁻⁶"),
+        ((1e-12 * more, sides(others, random)), "a mesh in a square of 10⁻¹²"),
         ((1e6 * more, sides(others, random)), "a mesh in a square of 10⁶"),
         ((1e9 * points, sides(triangles, random)), "a mesh in a square of 10⁹"),
     )

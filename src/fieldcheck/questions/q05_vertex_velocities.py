@@ -46,6 +46,8 @@ def ring_inputs(seed: int) -> tuple[Call, ...]:
                 ((0, 4, 2, 3, 1), 6, 2, "two rings of vertex 0"),
                 ((4, 113, 1013, 5, 13), 6, 1, "one ring, one vertex number beyond 1000"),
                 ((34, 143, 1043, 35, 43), 8, 2, "two rings, one vertex number beyond 1000"),
+                ((4, 21, 2, 5, 13), 6, 1, "one ring, eight vertices with numbers up to 90"),
+                ((4, 23, 2, 5, 13), 8, 2, "two rings, ten vertices with numbers up to 90"),
             )
             for first, cells in [(numbers[0], strip(random, numbers, n))]
         ),
@@ -71,7 +73,8 @@ def strip(random: np.random.Generator, numbers: Sequence[int], n: int) -> np.nda
     """Return n triangles in a strip whose first three and last two vertices have these numbers.
 
     With the numbers (4, 113, 1013, 5, 13) the edges (4, 113) and (4, 1013) at one end have the same
-    numbers 100 i + j and 1000 i + j as the edge (5, 13) at the other end.
+    numbers 100 i + j and 1000 i + j as the edge (5, 13) at the other end. With n + 2 vertices, the
+    edges (4, 15 + n) and (5, 13) have the same number (n + 2) i + j.
     """
     between = 50 + random.permutation(40)[: n - 3]
     along = np.concatenate([numbers[:3], between, numbers[3:]])

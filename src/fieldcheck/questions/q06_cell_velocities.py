@@ -178,7 +178,7 @@ def velocity_inputs(name: str, seed: int) -> tuple[Call, ...]:
         ((q, -2 * v), "minus two times the first data"),
         ((wide, normal_velocities(random, wide)), "an obtuse triangle"),
         ((small, normal_velocities(random, small)), "a small triangle, clockwise"),
-        ((1e-9 * small, normal_velocities(random, small)), "a triangle of the size 10⁻⁹"),
+        ((1e-12 * small, normal_velocities(random, small)), "a triangle of the size 10⁻¹²"),
         ((flat, normal_velocities(random, flat)), "a flat triangle"),
         ((wide, 1e-9 * normal_velocities(random, wide)), "a very slow flow"),
         ((integers(q), normal_velocities(random, q)), "a triangle of integers"),
@@ -294,7 +294,7 @@ def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
         ((q + FAR,), "the first triangle, far from the origin"),
         ((obtuse(random) - FAR,), "an obtuse triangle, far from the origin"),
         ((triangle(random, False, 1e-3),), "a small triangle, clockwise"),
-        ((1e-9 * triangle(random, False),), "a triangle of the size 10⁻⁹"),
+        ((1e-12 * triangle(random, False),), "a triangle of the size 10⁻¹²"),
         *(
             ((along_the_axes(random, k),), f"two sides along the axes, from the {which} corner")
             for k, which in enumerate(("first", "second", "third"))

@@ -41,7 +41,7 @@ def truth_inputs(seed: int) -> tuple[Call, ...]:
         ((integers(x), integers(m), -3), "points, centre and s = −3, integers"),
         ((x, integers(m), 0.618), "a centre of integers"),
         ((1e-6 * x, 1e-6 * m, 0.4), "points in a square of 10⁻⁶"),
-        ((1e-9 * x, 1e-9 * m, -0.4), "points in a square of 10⁻⁹"),
+        ((1e-12 * x, 1e-12 * m, -0.4), "points in a square of 10⁻¹²"),
         ((1e6 * x, 1e6 * m, 0.4), "points in a square of 10⁶"),
         ((random.uniform(-1, 2, (67, 2)), m, 0.357), "sixty-seven points"),
         (
@@ -94,7 +94,7 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
         ((integers(points), triangles, -2), "points and s = −2, integers"),
         ((integers(points), triangles, 0.37), "a mesh of integers"),
         ((1e-6 * points, triangles, 0.8), "an expansion on a mesh in a square of 10⁻⁶"),
-        ((1e-9 * points, triangles, 0.8), "an expansion on a mesh in a square of 10⁻⁹"),
+        ((1e-12 * points, triangles, 0.8), "an expansion on a mesh in a square of 10⁻¹²"),
         ((1e6 * points, triangles, 0.8), "an expansion on a mesh in a square of 10⁶"),
         ((*mesh(random, 6, 5), 0.71), "a mesh of sixty-two triangles"),
     )
@@ -145,7 +145,7 @@ def raviart_thomas_inputs(seed: int) -> tuple[Call, ...]:
                 ([1e-5, 1], "a triangle as narrow as a needle"),
             )
         ),
-        ((1e-9 * q, v, 1e-9 * on[1] + 1e-10), "a triangle of the size 10⁻⁹"),
+        ((1e-12 * q, v, 1e-12 * on[1] + 1e-13), "a triangle of the size 10⁻¹²"),
         ((integers(q), v, integers(random.random(2))), "a triangle and a point, integers"),
         ((integers(q), integers(v), random.random(2)), "a triangle and velocities, integers"),
         ((q, v, np.array([1, 2])), "a point of integers"),

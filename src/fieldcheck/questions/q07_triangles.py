@@ -129,7 +129,7 @@ def triangles(name: str, seed: int) -> tuple[Call, ...]:
         ((a, c, b), "the same triangle, listed the other way round"),
         ((a, b, (b + c) / 2), "half of the triangle"),
         ((b, a, far), "an obtuse triangle, clockwise"),
-        ((1e-9 * a, 1e-9 * c, 1e-9 * b), "a triangle of the size 10⁻⁹"),
+        ((1e-12 * a, 1e-12 * c, 1e-12 * b), "a triangle of the size 10⁻¹²"),
         *(
             (
                 tuple(np.roll([a, a + upwards, a + sideways], k, axis=0)),

@@ -172,8 +172,8 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         case = f"a point outside the cell of {n} neighbours"
         calls.append(Call("weights", (center, rim, corners, x), case))
     for call in calls[:2]:
-        tiny = tuple(1e-9 * part for part in call.arguments)
-        calls.append(Call("weights", tiny, f"{call.case}, everything of the size 10⁻⁹"))
+        tiny = tuple(1e-12 * part for part in call.arguments)
+        calls.append(Call("weights", tiny, f"{call.case}, everything of the size 10⁻¹²"))
     cases = ("eight neighbours, integers", "four neighbours, integers")
     for (cell, inside), case in zip(cells_of_integers(random), cases, strict=True):
         calls.append(Call("weights", (*cell, inside[0]), case))
@@ -269,8 +269,8 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
         inside = points_inside(random, center, corners, m)
         calls.append(Call("coordinates", (center, rim, corners, inside), case))
     for call in (calls[0], calls[4]):
-        tiny = tuple(1e-9 * part for part in call.arguments)
-        calls.append(Call("coordinates", tiny, f"{call.case}, of the size 10⁻⁹"))
+        tiny = tuple(1e-12 * part for part in call.arguments)
+        calls.append(Call("coordinates", tiny, f"{call.case}, of the size 10⁻¹²"))
     for cell, inside, words in with_their_vertices(random):
         calls.append(Call("coordinates", (*cell, inside), words))
     return tuple(calls)

@@ -98,8 +98,8 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
     center, neighbors, cells, corners, x = calls[0].arguments
     double = (2 * center, 2 * neighbors, cells, 2 * corners, 2 * x)
     calls.append(Call("weights", double, "six neighbours, everything twice as large"))
-    tiny = (2.0**-20 * center, 2.0**-20 * neighbors, cells, 2.0**-20 * corners, 2.0**-20 * x)
-    calls.append(Call("weights", tiny, "six neighbours in a cell of the size 10⁻⁶"))
+    tiny = (2.0**-40 * center, 2.0**-40 * neighbors, cells, 2.0**-40 * corners, 2.0**-40 * x)
+    calls.append(Call("weights", tiny, "six neighbours in a cell of the size 10⁻¹²"))
     for n in (4, 5):
         center, neighbors, cells, corners = star(random, n)
         x = point_outside(center, neighbors, cells, corners)
@@ -241,7 +241,7 @@ def more_heights(
     yield (center, neighbors, inside[1:2]), "one point, six neighbours"
     yield (center, neighbors, inside[:3]), "three points"
     yield (center, neighbors[:3], inside[1:]), "three points and three neighbours"
-    for size, words in ((2.0**-30, "10⁻⁹"), (1e6, "10⁶"), (2.0**30, "10⁹")):
+    for size, words in ((2.0**-40, "10⁻¹²"), (1e6, "10⁶"), (2.0**30, "10⁹")):
         scaled = tuple(size * part for part in (center, neighbors, inside))
         yield scaled, f"four points in a cell of the size {words}"
     for k in (9, 20):

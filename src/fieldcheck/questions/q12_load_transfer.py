@@ -82,6 +82,14 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
         Call("weights", (1e3 * plane, 1e3 * x), "twelve nodes in the plane, in millimetres"),
         Call("weights", (2.0**-19 * line, 2.0**-19 * y), "five nodes on the line, 10⁻⁶ apart"),
         Call("weights", (2.0**-19 * plane, 2.0**-19 * x), "twelve nodes in the plane, 10⁻⁶ apart"),
+        *(
+            Call("weights", (2.0**-19 * plane, 2.0**-19 * (plane[nodes] + away)), case)
+            for nodes, case in (
+                ([1, 6, 8], "twelve nodes 10⁻⁶ apart, points beside three of them"),
+                ([2, 5], "twelve nodes 10⁻⁶ apart, points beside two of them"),
+            )
+            for away in [1e-3 * np.random.default_rng(seed + 2).uniform(0.5, 1, (len(nodes), 2))]
+        ),
     )
 
 
