@@ -268,18 +268,20 @@ def two_planes(rng: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]
     yield x
 
 
-def flight_lines(_: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
-    """Three lines, fifty times as far apart as the sites on them; two beyond for two lines off."""
+def flight_lines(rng: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
+    """Three lines, fifty times as far apart as the sites on them: straight ones, and flown ones."""
     k = np.arange(n)
     x = np.zeros((n, d))
     x[:, 0], x[:, 1] = k // 3, 50 * (k % 3)
     x[:, 2:] = 50 * (k % 3 == 2)[:, None]
     yield x / n
+    yield (x + 0.05 * rng.normal(size=x.shape)) / n
 
 
 def tiny_clusters(rng: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:
-    """Eight clusters, 1e-6 wide."""
-    yield rng.random((8, d))[np.arange(n) % 8] + 1e-6 * rng.random((n, d))
+    """Clusters, 1e-6 wide: eight of them, and two."""
+    for k in (8, 2):
+        yield rng.random((k, d))[np.arange(n) % k] + 1e-6 * rng.random((n, d))
 
 
 def an_outlier(rng: np.random.Generator, n: int, d: int) -> Iterator[np.ndarray]:

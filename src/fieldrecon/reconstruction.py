@@ -232,10 +232,20 @@ class Reconstruction(ABC):
         return error_of_weights(h @ one, abs(h) @ np.abs(one))[:, None]
 
     def _far_among(self, x: np.ndarray) -> np.ndarray:
-        """Those of the queries (m, d) that are far from the sites, if constants are reproduced."""
-        if self.degree < 0:
+        """Those of the queries (m, d) where rounding may decide, if constants are reproduced.
+
+        They are far from the sites, or all of them if the sites themselves are far apart.
+        """
+        if self.degree < 0 or not len(x):
             return x[:0]
+        if self._is_lossy:
+            return x
         return x[valid.quiet_evaluate(are_far, self._near_box, x)]
+
+    @property
+    def _is_lossy(self) -> bool:
+        """Whether rounding may decide values between the sites: that of a global method may."""
+        return False
 
     @cached_property
     def _near_box(self) -> tuple[np.ndarray, np.ndarray]:

@@ -1,17 +1,23 @@
 """Queries far from the sites, where rounding may decide the values.
 
-Outside the sites, errors of the data and rounding are multiplied by the sum of the absolute
-weights, which grows like a power of the distance: for polynomials of degree k like the k-th. Where
-nothing is left of the values, the constants are lost, too: with a constant C added to the data, the
-value must increase by C.
+Outside the sites, and between distant groups of them, errors of the data and rounding are
+multiplied by the sum of the absolute weights, which grows like a power of the distance: for
+polynomials of degree k like the k-th. Where nothing is left of the values, the constants are lost,
+too: with a constant C added to the data, the value must increase by C.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fieldrecon._core.validation import format_point
 from fieldrecon.polynomials import EPS
+
+if TYPE_CHECKING:
+    from fieldrecon.reconstruction import Reconstruction
 
 REACH = 10.0
 """Distance from the box of the sites beyond which a query is far, in units of its longest side."""
@@ -19,6 +25,7 @@ CONSTANTS = np.array([1.0, -0.7, 0.4, -1.3])
 """Constants added to data of size one; two fields may by chance be rounded alike."""
 LOST = 1e-4
 """Relative error beyond which a constant is lost."""
+_SAMPLED = 64
 
 
 def near_box(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -42,8 +49,8 @@ def refuse_lost_constants(x: np.ndarray, error: np.ndarray) -> None:
     if len(lost):
         raise np.linalg.LinAlgError(
             f"rounding decides the value at ({format_point(x[lost[0]])}): so far from the points "
-            f"it is multiplied so much that constants have an error of {worst[lost[0]]:.0e}; "
-            "evaluate nearer to the points, or choose a lower degree"
+            "and their clusters it is multiplied so much that constants have an error of "
+            f"{worst[lost[0]]:.0e}; evaluate nearer to the points, or choose a lower degree"
         )
 
 
@@ -54,6 +61,20 @@ def error_of_increase(value: np.ndarray, more: np.ndarray, constants: np.ndarray
     """
     increase = more.reshape(len(value), *constants.shape) - value[:, None]
     return (np.abs(increase - constants) / np.abs(constants)).max(axis=1)
+
+
+def loses_constants(method: Reconstruction, solve: Callable[[np.ndarray], Any]) -> bool:
+    """Whether constants have errors of more than LOST / 100 in the box of the sites.
+
+    These are found at some points of the box, for data of random signs: as `solve` gives their
+    coefficients, also where rough data would be refused.
+    """
+    rng, points = np.random.default_rng(0), method.points
+    signs = rng.choice([-1.0, 1.0], (len(points), 1))
+    more = signs + method._data_of_one()[:, None] * CONSTANTS
+    x = rng.uniform(points.min(axis=0), points.max(axis=0), (_SAMPLED, points.shape[1]))
+    value, raised = (method._value_rows(x, solve(data)) for data in (signs, more))
+    return bool(error_of_increase(value, raised, CONSTANTS[:, None]).max() > LOST / 100)
 
 
 def error_of_weights(total: np.ndarray, size: np.ndarray) -> np.ndarray:

@@ -3,8 +3,12 @@
 For each of m queries, C with c = C f minimizes sum_i w_i^2 (b_i^T c - f_i)^2. Where the matrix is
 well conditioned, the normal equations are solved by elimination, batched over the queries. They
 square the condition number. One step of iterative refinement, C + (I - C B) C, mends this: the
-errors are those of QR, at a fraction of its cost. It needs all coefficients. If only the first ones
-are wanted, as for values, it is taken for the few queries at which the determinant is small.
+errors are a few times those of QR, at a fraction of its cost. It needs all coefficients. If only
+the first ones are wanted, as for values, it is taken for the few queries at which the determinant
+is small.
+
+Products of C with B lose as many digits again where entries of C are large. There the residuals,
+on which derivatives by the query depend, are projections on the complement of the basis.
 
 The remaining problems take one of two stabler ways. If all coefficients must be determined, it is
 Householder QR with rows and columns pivoted, which is stable however much the weights of the rows
@@ -14,6 +18,8 @@ of least norm gives them, by the singular value decomposition.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,6 +40,8 @@ _SAFE_DETERMINANT = 1e-2
 _SMALLEST_SQUARE = 1e-6
 # C b may differ from the unit matrix by this after elimination before a stabler way is taken.
 _ROUNDING = 1e-13
+# Residuals are projections where products with C would magnify rounding by more than this.
+_AMPLIFIED = 100.0
 
 
 class Undetermined(Exception):
@@ -143,6 +151,11 @@ def residuals(c: np.ndarray, b: np.ndarray, w: np.ndarray, data: np.ndarray) -> 
     the polynomials contain the constants, sum_i w_i^2 r_i = 0 gives it from the other residuals.
     """
     r = data - b @ (c @ data)
+    amplified = _largest_entry(c) > _AMPLIFIED
+    if amplified.any():
+        length = w[amplified, :, None]
+        scaled = _off_the_basis(length * data[amplified], b[amplified], w[amplified])
+        r[amplified] = np.divide(scaled, length, out=r[amplified], where=length > 0)
     heaviest = _heaviest(w)
     np.put_along_axis(r, heaviest, 0.0, axis=1)
     rest = (w[..., None] ** 2 * r).sum(axis=1, keepdims=True)
@@ -171,7 +184,31 @@ def weights_of_changing_weights(
     u = c[:, 0, :, None] * log_gradient
     # the residual of the heaviest site from those of the others, as in `residuals`
     u = u - w[..., None] ** 2 * np.take_along_axis(u, _heaviest(w), axis=1)
-    return u - c.mT @ (b.mT @ u)
+    result = u - c.mT @ (b.mT @ u)
+    top = _largest_entry(c)
+    size, of_result = (np.abs(part).sum(axis=(1, 2)) for part in (u, result))
+    amplified = top * size > _AMPLIFIED * (top + of_result)  # the gradient also has c_1, ..., c_d
+    if amplified.any():
+        length = w[amplified, :, None]
+        scaled = np.divide(u[amplified], length, out=np.zeros_like(u[amplified]), where=length > 0)
+        result[amplified] = length * _off_the_basis(scaled, b[amplified], w[amplified])
+    return result
+
+
+def _largest_entry(c: np.ndarray) -> np.ndarray:
+    return np.abs(c).max(axis=(1, 2), initial=0.0)
+
+
+def _off_the_basis(z: np.ndarray, b: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """(I - Q Q^T) z for W B = Q R: the part of z (m, k, v) that no coefficients give.
+
+    With W this is I - B C = W^-1 (I - Q Q^T) W, without the large numbers of C. A second
+    projection takes out the rounding of the first.
+    """
+    q, r, *_ = _pivoted_qr(b, w)
+    q = q * (np.diagonal(r, axis1=1, axis2=2) != 0)[:, None, :]  # redundant columns span nothing
+    z = z - q @ (q.mT @ z)
+    return z - q @ (q.mT @ z)
 
 
 def _heaviest(w: np.ndarray) -> np.ndarray:
@@ -217,15 +254,24 @@ def _require_full_rank(
         raise Undetermined(int(queries[deficient[0]]), int(rank[deficient[0]]))
 
 
-def _by_qr(b: np.ndarray, w: np.ndarray) -> np.ndarray:
-    """C (m, q, k) = P R^-1 Q^T W by Householder QR of the weighted rows, rows and columns pivoted.
+class _PivotedQR(NamedTuple):
+    """W B = Q R with the columns of B scaled and sorted, and the rows of Q in their order."""
+
+    q: np.ndarray  # (m, k, q)
+    r: np.ndarray  # (m, q, q)
+    order: np.ndarray  # (m, q), of the columns
+    scale: np.ndarray  # (m, q), of the columns as they are in B
+
+
+def _pivoted_qr(b: np.ndarray, w: np.ndarray) -> _PivotedQR:
+    """Householder QR of the weighted rows, rows and columns pivoted.
 
     Columns are scaled as they are without weights: the rounding in a row is as large as the row,
     and in a row of 1e-16 times the weight of another it has to stay that small.
     """
     m, k, q = b.shape
-    column = _power_of_two(np.where(w[..., None] > 0, np.abs(b), 0.0).max(axis=1))
-    r = w[..., None] * (b / column[:, None, :])
+    scale = _power_of_two(np.where(w[..., None] > 0, np.abs(b), 0.0).max(axis=1))
+    r = w[..., None] * (b / scale[:, None, :])
     rounding = max(k, 8) * EPS * np.abs(r).max(axis=2)
     rows, columns = np.tile(np.arange(k), (m, 1)), np.tile(np.arange(q), (m, 1))
     v = np.zeros((m, k, q))  # the reflectors, I - v v^T
@@ -243,12 +289,17 @@ def _by_qr(b: np.ndarray, w: np.ndarray) -> np.ndarray:
     thin_q[:, range(q), range(q)] = 1.0
     for j in reversed(range(q)):
         _reflect(thin_q[:, j:], v[:, j:, j])
-    c = np.empty((m, q, k))
-    solved = np.linalg.solve(np.triu(r[:, :q]), thin_q.mT)
-    np.put_along_axis(c, columns[..., None], solved, axis=1)
-    in_order = np.empty_like(c)
-    np.put_along_axis(in_order, rows[:, None, :].repeat(q, axis=1), c, axis=2)
-    return in_order * w[:, None, :] / column[:, :, None]
+    in_order = np.empty_like(thin_q)
+    np.put_along_axis(in_order, rows[..., None].repeat(q, axis=2), thin_q, axis=1)
+    return _PivotedQR(in_order, np.triu(r[:, :q]), columns, scale)
+
+
+def _by_qr(b: np.ndarray, w: np.ndarray) -> np.ndarray:
+    """C (m, q, k) = P R^-1 Q^T W, by `_pivoted_qr`."""
+    q, r, order, scale = _pivoted_qr(b, w)
+    c = np.empty_like(q.mT)
+    np.put_along_axis(c, order[..., None], np.linalg.solve(r, q.mT), axis=1)
+    return c * w[:, None, :] / scale[:, :, None]
 
 
 def _swap(j: int, best: np.ndarray, *arrays: np.ndarray) -> None:

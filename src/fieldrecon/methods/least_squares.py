@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from fieldrecon._core import validation as valid
 from fieldrecon._core.blas_threads import blas_threads_for
 from fieldrecon._core.chunks import Progress, report_all, rows_of
+from fieldrecon._numerics.far_queries import refuse_lost_constants
 from fieldrecon._numerics.orthonormal_polynomials import OrthonormalPolynomials
 from fieldrecon.polynomials import (
     EPS,
@@ -35,10 +36,10 @@ class LeastSquares(Reconstruction):
     Computed with polynomials that are orthonormal on the sites, in a local frame, so that neither
     the origin, nor the unit of length, nor a high degree costs digits. The degree itself may: on n
     equidistant sites, degrees far beyond 2 sqrt(n) amplify the errors of the data. Far from the
-    sites, and between them and an outlier, errors and rounding are multiplied by the sum of the
-    absolute weights, which grows like a power of the distance, the degree. So far outside that a
-    constant is lost, values are refused. Interpolates only if there are as many sites as
-    coefficients.
+    sites, beside a thin strip of them, and between clusters or between them and an outlier, errors
+    and rounding are multiplied by the sum of the absolute weights, which grows like a power of the
+    distance, the degree. Where a constant is lost, values are refused. Interpolates only if there
+    are as many sites as coefficients.
 
     Parameters
     ----------
@@ -204,26 +205,39 @@ class LeastSquares(Reconstruction):
     def _prepare(self, values: np.ndarray) -> np.ndarray:
         return self._q.T @ values
 
+    def _basis_at(self, x: np.ndarray) -> np.ndarray:
+        """Orthonormal polynomials (m, q) at queries (m, d), refused where rounding decides values.
+
+        The weights are a product with orthonormal columns, so they have the norm of a row.
+        """
+        basis = self._basis.values(self._frame.local(x))
+        norm = np.linalg.norm(basis, axis=1, keepdims=True)
+        refuse_lost_constants(x, EPS * np.sqrt(len(self.points)) * norm)
+        return basis
+
     def _value_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
-        return self._basis.values(self._frame.local(x)) @ prepared
+        return self._basis_at(x) @ prepared
 
     def _gradient_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
+        self._basis_at(x)
         slopes = self._basis.gradients(self._frame.local(x)) @ prepared
         return np.moveaxis(slopes, 0, -1) / self._frame.scale
 
     def _hessian_rows(self, x: np.ndarray, prepared: np.ndarray) -> np.ndarray:
+        self._basis_at(x)
         bends = self._basis.hessians(self._frame.local(x)) @ prepared
         return np.moveaxis(bends, (0, 1), (-2, -1)) / self._frame.scale / self._frame.scale
 
     def _weight_rows(self, x: np.ndarray) -> np.ndarray:
-        return self._basis.values(self._frame.local(x)) @ self._q.T
+        return self._basis_at(x) @ self._q.T
 
     def _gradient_weight_rows(self, x: np.ndarray) -> tuple[np.ndarray, ...]:
+        self._basis_at(x)
         slopes = self._basis.gradients(self._frame.local(x)) / self._frame.scale
         return tuple(slopes @ self._q.T)
 
     def _moments(self, x: np.ndarray, f: np.ndarray) -> tuple[slice, np.ndarray]:
-        return slice(None), self._basis.values(self._frame.local(x)).T @ f
+        return slice(None), self._basis_at(x).T @ f
 
     def _number_of_moments(self) -> int:
         return self._q.shape[1]

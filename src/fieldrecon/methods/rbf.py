@@ -14,6 +14,7 @@ from scipy.spatial.distance import cdist
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, report_all, rows_of, split_progress
+from fieldrecon._numerics.far_queries import loses_constants
 from fieldrecon._numerics.jets import symmetric, upper_pairs
 from fieldrecon.kernels.base import Radial
 from fieldrecon.methods.kernel_matrices import Block, dense, pairs_of
@@ -226,6 +227,10 @@ class RBF(Reconstruction):
     @cached_property
     def _site_tree(self) -> cKDTree:
         return cKDTree(self.points)
+
+    @cached_property
+    def _is_lossy(self) -> bool:
+        return bool(valid.quiet_evaluate(loses_constants, self, self._system.solve))
 
     def _kernel_sum(self, lam: np.ndarray) -> np.ndarray:
         total, sites = np.zeros_like(lam), self._pairs.sites * self._frame.scale

@@ -482,8 +482,8 @@ def test_errors_converge_with_the_order_of_the_degree(degree):
 
 @pytest.mark.parametrize(("d", "degree", "k"), [(2, 1, 12), (2, 2, 19), (3, 2, 28)])
 @pytest.mark.parametrize("weight", [wendland(3, 2), gaussian(0.6)])
-def test_gradients_are_as_accurate_as_by_qr(monkeypatch, weight, d, degree, k):
-    """Their rms error on a polynomial is at most three times that of Householder QR.
+def test_gradients_are_nearly_as_accurate_as_by_qr(monkeypatch, weight, d, degree, k):
+    """The error of a polynomial is at most 4 times that of Householder QR, at the worst query 12.
 
     Elimination without refinement has errors from 3 to 3000 times as large.
     """
@@ -493,12 +493,37 @@ def test_gradients_are_as_accurate_as_by_qr(monkeypatch, weight, d, degree, k):
     exact = degree * (x @ along - 0.5)[:, None] ** (degree - 1) * along
     field = MovingLeastSquares(points, weight, degree, k).field((points @ along - 0.5) ** degree)
 
-    def rms() -> float:
-        return float(np.sqrt(np.mean((field.gradient(x) - exact) ** 2)))
+    def rms_and_largest() -> np.ndarray:
+        error = abs(field.gradient(x) - exact)
+        return np.array([np.sqrt(np.mean(error**2)), error.max()])
 
-    ours = rms()
+    ours = rms_and_largest()
     monkeypatch.setattr(weighted_least_squares, "_SAFE_PIVOT", np.inf)
-    assert ours <= 3 * rms()
+    monkeypatch.setattr(weighted_least_squares, "_AMPLIFIED", 0.0)
+    assert (ours <= np.array([4, 12]) * rms_and_largest()).all()
+
+
+@pytest.mark.parametrize("weight", [inverse_square(0.1), wendland(2, 2)])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_derivatives_on_flight_lines_are_exact_beside_their_weights(weight, axis):
+    """Three lines with a jitter of a thousandth of their distance hardly determine a quadratic.
+
+    The weights of a constant in the gradient sum to zero, beside weights of up to 4e7. Products
+    with the large coefficients of the fits gave sums of 1e-9 of them, and second derivatives of
+    x^2 wrong by 25.
+    """
+    rng = np.random.default_rng(0)
+    k = np.arange(600)
+    lines = np.column_stack(
+        [k // 3 + 0.3 * rng.random(600), 50 * (k % 3) + 0.05 * rng.normal(size=600)]
+    )
+    points, x = lines, rng.uniform([30, 0], [170, 100], (200, 2))
+    points, x = np.roll(points, axis, axis=1), np.roll(x, axis, axis=1)
+    method = MovingLeastSquares(points, weight, degree=2, neighbors=20)
+    for rows in method.gradient_weights(x):
+        assert abs(rows.sum(axis=1)).max() < 1e-13 * abs(rows).sum(axis=1).max()
+    hessian = method.field(points[:, axis] ** 2).hessian(x)
+    assert abs(hessian - 2 * np.outer(*[np.eye(2)[axis]] * 2)).max() < 1e-3
 
 
 def test_values_lose_few_digits_more_than_by_qr(monkeypatch):
