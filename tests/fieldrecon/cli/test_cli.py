@@ -51,6 +51,14 @@ def test_version_is_printed():
     assert done.stdout == f"fieldrecon {version('fieldrecon')}\n"
 
 
+def test_the_arguments_of_the_process_are_those_of_the_command(capsys, monkeypatch):
+    """All but the first of them, the name of the program."""
+    monkeypatch.setattr(sys, "argv", ["fieldrecon", "--version"])
+    with pytest.raises(SystemExit, match="0"):
+        main()
+    assert capsys.readouterr().out == f"fieldrecon {version('fieldrecon')}\n"
+
+
 @pytest.mark.slow
 def test_a_user_error_prints_one_line_without_traceback():
     """A missing file gives one line on standard error and exit status 2."""

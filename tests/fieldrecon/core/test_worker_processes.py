@@ -1,10 +1,14 @@
 """Worker processes: each is prepared first, and Ctrl-C is left to the parent."""
 
+import multiprocessing
 import os
 import signal
+import subprocess
 import warnings
 from multiprocessing.process import BaseProcess
 from types import SimpleNamespace
+
+import pytest
 
 from fieldrecon._core import worker_processes
 from fieldrecon._core.worker_processes import WorkerPool, _ctrl_c_blocked, start_process
@@ -19,6 +23,15 @@ def test_a_worker_is_prepared_before_its_first_call():
     with WorkerPool(1, begin=prepare) as pool:
         assert pool.submit(os.getenv, "PREPARED").result() == "yes"
     assert "PREPARED" not in os.environ
+
+
+@pytest.mark.parametrize("context", [None, multiprocessing.get_context("spawn")])
+def test_ctrl_c_ends_the_programs_of_a_worker_and_not_the_worker(context):
+    """Its parent decides what to do; a program that it runs has neither its handler nor a mask."""
+    with WorkerPool(1, context=context) as pool:
+        assert pool.submit(signal.raise_signal, signal.SIGINT).exception() is None
+        program = pool.submit(subprocess.call, ["sh", "-c", "kill -INT $$"])
+        assert program.result() == -signal.SIGINT
 
 
 def test_ctrl_c_is_blocked_while_a_worker_is_started():

@@ -17,7 +17,7 @@ from scipy.stats import ortho_group
 
 from fieldrecon.meshes import delaunay
 from fieldrecon.meshes import topology as _topology
-from fieldrecon.meshes.delaunay import _outer, _violations
+from fieldrecon.meshes.delaunay import _outer, _refuse_cracks, _violations
 from fieldrecon.meshes.duals import barycentric_dual, circumcentric_dual
 from fieldrecon.meshes.exact_delaunay import _is_independent, exact_delaunay_cells
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
@@ -769,6 +769,21 @@ def test_flat_cells_are_left_out_only_at_the_hull():
     neighbors = np.array([[1, 2, 2], [0, 2, 2], [0, 1, -1], [4, 2, 2], [3, 2, -1]])
     flat = np.array([True, True, False, True, True])
     assert _outer(neighbors, flat).tolist() == [False, False, False, True, True]
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_cells_with_a_hole_inside_are_refused(d):
+    """The boundary of all cells is the hull; an inner cell that is left out adds its own."""
+    points = random_points(d)
+    mesh = Delaunay(points)
+    open_sides = (mesh.neighbors < 0).T
+    _refuse_cracks(points, mesh.simplices, open_sides)
+    inner = np.flatnonzero(~open_sides.any(axis=0))
+    for cell in inner:
+        hole = open_sides.copy()
+        hole[:, cell] = True
+        with pytest.raises(np.linalg.LinAlgError, match="flat cells between others"):
+            _refuse_cracks(points, mesh.simplices, hole)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

@@ -160,6 +160,16 @@ def test_fields_are_twice_continuously_differentiable():
     assert fine < 0.35 * coarse
 
 
+@pytest.mark.parametrize("d", [1, 2])
+def test_where_patches_agree_their_weights_have_no_part_in_derivatives(d):
+    """Of a constant only rounding is left; sums of derivatives of weights lose more digits."""
+    sites = np.random.default_rng(d).random((60, d))
+    field = PartitionOfUnityRBF(sites, gaussian(0.1), 0, 2).field(np.ones(60))
+    x = np.random.default_rng(0).random((300, d))
+    assert np.median(np.abs(field.gradient(x)).max(axis=1)) < 5e-16
+    assert np.median(np.abs(field.hessian(x)).max(axis=(1, 2))) < 5e-14
+
+
 @pytest.mark.slow
 def test_a_weight_with_a_kink_is_not_twice_differentiable(monkeypatch):
     """The test above detects (1 - r)², whose second derivative jumps at the boundary."""

@@ -75,6 +75,18 @@ def test_the_variables_of_a_grid_are_samples_at_its_nodes():
         plane(heights.expand_dims(time=2))
 
 
+def test_the_only_variable_of_a_data_set_is_the_value():
+    """Words and single numbers are no variables; of two variables neither is taken unasked."""
+    variables = {"rate": ("point", PLANE), "station": ("point", ["a"] * 60), "grid": 0}
+    coordinates = {name: ("point", NAMED[name]) for name in "xy"}
+    one = xr.Dataset(variables, {"hour": ("point", np.arange(60.0)), **coordinates})
+    assert plane(one).samples.names == ("x", "y", "rate")
+    two = one.assign(count=2 * one.rate)
+    with pytest.raises(ValueError, match="not clear which column of the data set is value"):
+        plane(two)
+    np.testing.assert_array_equal(plane(two, value="count").samples.values, 2 * PLANE)
+
+
 def test_rows_that_are_not_samples_are_left_out_and_reported():
     """By their position from 0: missing, masked, infinite, and words."""
     table = {

@@ -378,16 +378,18 @@ def write_npz(path, **arrays):
 
 
 def test_npz_archives_are_tables(tmp_path):
-    """The arrays are the columns by name, or `points` and `values`."""
-    path = tmp_path / "a.npz"
+    """The arrays are the columns by name, or `points` and `values`; they are read in one step."""
+    path, steps = tmp_path / "a.npz", []
     rows = [[0.0, 1.0], [3.0, 4.0]]
     for arrays in (
         {"x": [0, 3], "y": [1, 4], "value": [2, 5]},
         {"points": rows, "values": [2, 5], "note": "by hand"},
     ):
-        samples = read_samples(write_npz(path, **arrays))
+        samples = read_samples(write_npz(path, **arrays), progress=lambda *step: steps.append(step))
         assert samples.points.tolist() == rows
         assert samples.values.tolist() == [2, 5]
+        assert steps.pop() == (1, 1)
+        assert not steps
     space = write_npz(path, points=[[1.0, 2.0, 3.0]], values=[4.0])
     assert read_samples(space, z="z").points.tolist() == [[1, 2, 3]]
     assert read_samples(write_npz(path, x=[0, np.nan], y=[1, 1], value=[2, 2])).bad == (

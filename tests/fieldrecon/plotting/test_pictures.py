@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.patches import Rectangle
 
 from fieldrecon.io.targets import Targets, TargetValues, grid_nodes
 from fieldrecon.pages.reconstruction_page import _flattened
@@ -13,6 +14,7 @@ from fieldrecon.pipelines.scans import ScanResult
 from fieldrecon.pipelines.validation import Validation
 from fieldrecon.pipelines.variograms import variogram
 from fieldrecon.plotting.field_pictures import _draw_scattered, _drawn, _set_axes
+from fieldrecon.plotting.maps import map_axes
 from fieldrecon.plotting.mesh_pictures import Marks, MeshPicture, draw, marks, plot_audit
 from fieldrecon.plotting.style import PLAIN_NUMBERS, figure
 from fieldrecon.plotting.surface_picture import plot
@@ -212,3 +214,26 @@ def test_pictures_of_distances_name_their_curves_and_show_all_of_them():
     assert on_globe.get_xlabel() == "distance from the nearest sample, degrees"
     (axes,) = plot_variogram(found, "f").axes
     assert axes.get_xlim() == (0.0, found.distances.max())
+
+
+@pytest.mark.parametrize(
+    ("limits", "length", "label"),
+    [
+        ((0.0, 9000.0), 2000.0, "2 km"),
+        ((7000.0, 3000.0), 1000.0, "1 km"),
+        ((-1000.0, 2000.0), 500.0, "500 m"),
+        ((0.0, 2.0), 0.5, "0.5 m"),
+    ],
+)
+def test_a_map_has_a_scale_bar_and_no_ticks(limits, length, label):
+    """The bar has a round length, at most a quarter of the width, whichever way the axis runs."""
+    with figure() as (page, axes):
+        axes.set(xlim=limits, ylim=(0.0, 3000.0))
+        map_axes(axes, "heights")
+        page.draw_without_rendering()
+        (bar,) = axes.artists
+        (drawn,) = bar.size_bar.findobj(Rectangle)
+        assert (drawn.get_width(), bar.txt_label.get_text()) == (length, label)
+        assert (axes.get_title("left"), axes.get_aspect()) == ("heights", 1.0)
+        assert len(axes.get_xticks()) == len(axes.get_yticks()) == 0
+        assert all(spine.get_visible() for spine in axes.spines.values())

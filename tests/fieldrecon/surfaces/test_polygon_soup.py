@@ -132,6 +132,25 @@ def test_the_error_of_the_far_quadrature_is_below_the_tolerance(rng):
         assert np.abs(soup(x) - exact(x)).max() < tolerance
 
 
+@pytest.mark.parametrize("d", [2, 3])
+def test_the_quadrature_begins_where_its_error_falls_below_the_tolerance(d, rng):
+    """In space half of the tolerance is used; the rule for segments is better than that."""
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, 0.75**0.5, 0]])[:d, :d]
+    points, polygons = np.concatenate([corners, corners + 1e3]), np.arange(2 * d).reshape(2, d)
+    x = rng.normal(size=(4000, d))
+    x *= np.exp(rng.uniform(-1, 3, (4000, 1))) / np.linalg.norm(x, axis=1, keepdims=True)
+    x += corners.mean(axis=0)
+
+    def near_to_far(tolerance):
+        near, far = fr.surfaces.PolygonSoup(points, polygons, tol=tolerance).weights(x).T
+        return near / far
+
+    exact = near_to_far(1e-14)
+    for tolerance in (1e-2, 1e-4, 1e-6):
+        error = np.abs(near_to_far(tolerance) / exact - 1).max()
+        assert (0.2 if d == 3 else 1e-3) * tolerance < error < tolerance
+
+
 @pytest.mark.parametrize("nearest", [51.0, 60.0])
 def test_integrals_beside_a_slender_triangle_have_all_terms_of_their_series(nearest):
     """Far along the line of an edge, at a distance from the line of one; by mpmath."""

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from fieldrecon._numerics.weighted_least_squares import estimable_weights
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
 from fieldrecon.kernels.weights import inverse_square
@@ -330,6 +331,40 @@ def test_the_value_at_the_centre_of_a_cross_is_determined(offset):
     found = vertex_velocities(mesh, v, vertices=[0])
     assert found.rings.tolist() == [1]
     assert_close(found.values, u[:1], EXACT)
+
+
+@pytest.mark.parametrize(
+    ("rows", "known"),
+    [(1, [True, True, True, False, False, True]), (2, [True, False, True, *[False] * 3])],
+)
+def test_coefficients_are_found_if_and_only_if_the_sites_determine_them(rows, known):
+    """The value at the origin, and with it the slope along x: by NumPy's pseudoinverse.
+
+    Sites are scattered, on lines through the origin and one beside it, or all in one point. Their
+    fits have ranks from one to three, together or alone; two sites on a line are enough for it.
+    """
+    rng = np.random.default_rng(5)
+    along = rng.standard_normal((5, 1))
+    lines = [along * [1.0, 2.0], along * [1.0, 0.0], along * [1.0, 0.0] + [0.0, 1.0]]
+    sites = np.stack([rng.standard_normal((5, 2)), *lines, np.ones((5, 2)), np.zeros((5, 2))])
+    w = rng.uniform(0.1, 1.0, (6, 5))
+    w[:, 0] = 1.0
+    sites[:, 4], w[:, 4] = rng.standard_normal((6, 2)), 0.0  # they do not count
+    for fits, k in ((slice(6), 5), *((slice(i, i + 1), 5) for i in range(6)), (slice(1, 3), 2)):
+        b, own = monomials(sites[fits, :k], 1), w[fits, :k]
+        expected = np.linalg.pinv(own[..., None] * b, rtol=1e-9)[:, :rows] * own[:, None]
+        expected[~np.array(known[fits])] = np.nan
+        np.testing.assert_allclose(estimable_weights(b, own, rows), expected, atol=1e-12)
+
+
+def test_weights_of_sites_on_a_line_are_accurate_to_their_rounding():
+    """They reproduce constants and vanish for a slope, most to the last bit, for all weights."""
+    rng = np.random.default_rng(0)
+    sites = rng.standard_normal((500, 6, 1)) * [1.0, 2.0]
+    w = 10.0 ** rng.uniform(-4, 0, (500, 6))
+    c = estimable_weights(monomials(sites, 1), w / w.max(axis=1, keepdims=True), 1)[:, 0]
+    assert np.median(np.abs(c.sum(axis=1) - 1)) < 1.5e-16
+    assert np.median(np.abs((c * sites[..., 0]).sum(axis=1))) < 1.5e-16
 
 
 def test_the_least_norm_solution_of_a_cross_depends_on_the_origin():
