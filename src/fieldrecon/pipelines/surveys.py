@@ -348,10 +348,8 @@ def _validate(
     progress = stages("leaving out each sample")
     method = field.method.method if isinstance(field.method, OnGlobe) else field.method
     try:
-        residuals = chosen.residuals if chosen else None
-        if residuals is None or len(residuals) < validator.n_held_out:
-            maker = chosen.maker if chosen else None
-            residuals = validator.residuals(maker or _maker_like(method))
+        maker = chosen.maker if chosen else None
+        residuals = validator.residuals(maker or _maker_like(method))
     except NO_FIELD as error:
         return str(error)
     try:

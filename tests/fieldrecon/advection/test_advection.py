@@ -457,6 +457,8 @@ def test_the_extreme_masses_determine_the_values(end):
             "bounds and masses are kept of real values",
         ),
         ({"masses": lambda m: -np.ones(len(m.points))}, "masses must be positive"),
+        ({"masses": lambda m: np.arange(len(m.points))}, "masses must be positive"),
+        ({"masses": lambda m: np.ones((len(m.points), 1))}, "masses .* one for each site"),
         (
             {"masses": np.ones(80), "inflow": Inflow(lambda y: y[:, 0], lambda *_: 0)},
             "masses cannot be kept where there is inflow",

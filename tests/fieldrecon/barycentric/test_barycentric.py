@@ -15,7 +15,7 @@ from scipy.stats import ortho_group
 import laws
 from cases import case
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
-from fieldrecon.barycentric.polytope import ROUNDINGS, Polytope
+from fieldrecon.barycentric.polytope import ROUNDINGS, Polytope, hanging_vertices
 from fieldrecon.barycentric.wachspress import ProductForm, _Products
 from fieldrecon.polynomials import EPS
 from laws import assert_close
@@ -532,6 +532,19 @@ def hanging_vertices_have_their_limits(coordinates):
 def test_hanging_vertices_have_the_limits_of_their_coordinates():
     """In any order of the vertices, wherever the polygon lies and however it is turned."""
     hanging_vertices_have_their_limits(BarycentricCoordinates)
+
+
+@pytest.mark.parametrize(("roundings", "hanging"), [(-8, 1), (0, 1), (8, 1), (-200, 0), (200, 0)])
+def test_vertices_off_an_edge_by_rounding_hang_in_it(roundings, hanging):
+    """On either side of it, though Qhull sees corners outside; farther off all are corners."""
+    corners = np.array([[0, 0], [3, 0], [4, 2], [1, 3], [-0.5, 1.5]])
+    off = np.array([0.0, -4 * roundings * EPS])  # the polygon has a size of about four
+    vertices = np.array([*corners, *([[0.6, 0], [2.1, 0], [1.5, 0]] + off * [[1], [1.2], [1.4]])])
+    for order in (np.arange(8), np.random.default_rng(0).permutation(8)):
+        number = np.argsort(order)
+        ring, edges = hanging_vertices(vertices[order])
+        assert ring.tolist() == (sorted(number[:5]) if hanging else [*range(8)])
+        assert [edge.tolist() for edge in edges] == [number[[0, 5, 7, 6, 1]].tolist()] * hanging
 
 
 class WithoutWeightOnTheirEdge(BarycentricCoordinates):

@@ -87,7 +87,7 @@ def test_normals_are_taken_from_triangles_if_the_file_has_none(tmp_path):
 
 @pytest.mark.parametrize("suffix", [".xyz", ".csv", ".npz"])
 def test_tables_are_read_as_clouds(tmp_path, suffix):
-    """Columns 4 to 6 without names are normals if their length is about one."""
+    """Columns 4 to 6 without names are normals if nine tenths have a length of about one."""
     path = tmp_path / f"cloud{suffix}"
     both = np.hstack([POINTS + 5, POINTS])
     if suffix == ".npz":
@@ -99,8 +99,15 @@ def test_tables_are_read_as_clouds(tmp_path, suffix):
     np.testing.assert_allclose(cloud.points, POINTS + 5)
     np.testing.assert_allclose(cloud.normals, POINTS)
     if suffix == ".xyz":
-        np.savetxt(path, np.hstack([POINTS, 100 * POINTS]))
-        assert read_cloud(path).normals is None
+        few = np.arange(len(POINTS)) < 4
+        many = np.arange(len(POINTS)) < 5
+        for factor, normals in ((100, 0), (2, 0), (0.5, 0), (1.05, 1), (0.95, 1)):
+            lengths = np.full(len(POINTS), factor)
+            np.savetxt(path, np.hstack([POINTS, lengths[:, None] * POINTS]))
+            assert (read_cloud(path).normals is not None) == normals
+        for some, normals in ((few, 1), (many, 0)):
+            np.savetxt(path, np.hstack([POINTS, np.where(some, 2, 1)[:, None] * POINTS]))
+            assert (read_cloud(path).normals is not None) == normals
 
 
 def test_non_finite_points_are_skipped_and_reported(tmp_path):

@@ -316,6 +316,9 @@ def test_values_are_finite_and_continuous_for_tiny_distances(kernel):
     assert np.isfinite(kernel(r)).all()
     assert np.isfinite(kernel.slope(r)).all()
     assert_close(kernel(r) - kernel(1e-20), np.zeros(5), 1e-5)
+    at_zero, near, far = kernel.slope(np.array([0.0, 1e-12, 1e-6]))
+    if abs(far - near) < 1e-3 * abs(far):  # the slope has a limit
+        assert_close(at_zero / near, 1.0, 1e-9)
 
 
 @pytest.mark.parametrize("kernel", [*CONTINUOUS.values()], ids=[*CONTINUOUS])

@@ -19,7 +19,7 @@ from fieldrecon.meshes import delaunay
 from fieldrecon.meshes import topology as _topology
 from fieldrecon.meshes.delaunay import _outer, _refuse_cracks, _violations
 from fieldrecon.meshes.duals import barycentric_dual, circumcentric_dual
-from fieldrecon.meshes.exact_delaunay import _is_independent, exact_delaunay_cells
+from fieldrecon.meshes.exact_delaunay import _independent, _is_independent, exact_delaunay_cells
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.meshes.simplices import signed_volumes
 from rational import determinant, dot, minus, rational
@@ -792,6 +792,21 @@ def test_edges_along_a_coordinate_plane_are_independent(axis):
     one, other = np.roll([1, 0, 0], axis).tolist(), np.roll([2, 3, 0], axis).tolist()
     assert _is_independent([tuple(one)], tuple(other))
     assert not _is_independent([tuple(one)], tuple(5 * x for x in one))
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_the_first_cell_is_of_the_first_points_that_are_independent(d):
+    """Each raises the rank of the edges; many points lie on one line or plane."""
+    rng = np.random.default_rng(0)
+    for rank in [*range(1, d + 1)] * 40:
+        cloud = rng.integers(-1, 2, (9, rank)) @ rng.integers(-1, 2, (rank, d))
+        cloud[rng.integers(9)] += rng.integers(-1, 2, d)
+        order = rng.permutation(9).tolist()
+        first = order[:1]
+        for p in order:
+            if np.linalg.matrix_rank(cloud[[*first, p]] - cloud[first[0]]) == len(first):
+                first.append(p)
+        assert _independent([tuple(p) for p in cloud.tolist()], order) == first
 
 
 def every_point_is_a_vertex_of_an_exact_delaunay_mesh(cloud):

@@ -13,6 +13,7 @@ from scipy.spatial.distance import cdist
 
 import fieldrecon as fr
 from fieldrecon.cli.main import main
+from fieldrecon.io.frames import as_source
 from fieldrecon.pages.reconstruction_page import pictures, summary
 from fieldrecon.pipelines import audit, reconstruct, surface
 from fieldrecon.solids.shapes import Ball, sample_surface
@@ -58,6 +59,14 @@ def test_samples_may_be_any_table_in_memory(data, options):
     np.testing.assert_allclose(values, [1.25, 27.0])
     assert (error < 1e-9).all()
     assert extrapolated.tolist() == [0, 2]
+
+
+@pytest.mark.parametrize("name", ["coords", "data_vars", "to_dataset", "to_dataframe"])
+def test_a_column_may_have_the_name_of_an_attribute_of_xarray(name):
+    """A column of a data frame is an attribute, too."""
+    frame = as_source(NAMED.rename(columns={"depth": name}))
+    assert (str(frame), list(frame.names)) == ("the data frame", ["x", "y", name])
+    np.testing.assert_array_equal(frame.read([name])[0], PLANE)
 
 
 def test_the_variables_of_a_grid_are_samples_at_its_nodes():

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from fieldrecon.datasets.synthetic import uniform
 from fieldrecon.io import tables as _text_tables
+from fieldrecon.pipelines.missing_values import suspects
 from fieldrecon.pipelines.samples import Samples, read_samples, refuse_flat
 
 
@@ -290,6 +291,28 @@ def test_marks_of_missing_values_are_named_and_left_out(table):
     assert read_samples(clipped).warnings == []
     with pytest.raises(ValueError, match=r"every row of .* has a missing value"):
         read_samples(table("x,y,v\n0,0,-99\n"), missing=-99)
+
+
+def found_beside(end, ranges, times):
+    """What is found to mark missing values: an end at so many ranges of the others."""
+    others = end / 2 - np.linspace(abs(end) / 2 / ranges, 0, 201) * np.sign(end)
+    found = suspects(np.random.default_rng(0).permutation([*others, *[end] * times]))
+    assert all(one.others == (others.min(), others.max()) for one in found)
+    return [(one.value, one.times) for one in found]
+
+
+@pytest.mark.parametrize("mark", [99, 999, 9999, 99999, 999999, 9999999, 32767, 32768, 1e20, 1e30])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_usual_mark_may_occur_once_and_is_found_nearer(mark, sign):
+    """At one range of the other values; any other number repeatedly, and at three ranges."""
+    usual, other = sign * mark, 1.01 * sign * mark
+    assert found_beside(usual, 1.1, 1) == [(usual, 1)]
+    assert found_beside(usual, 0.9, 2) == []
+    assert found_beside(other, 100.0, 1) == []
+    assert found_beside(other, 3.1, 2) == [(other, 2)]
+    assert found_beside(other, 2.9, 2) == []
+    assert suspects(np.array([0.0, usual / 1e3, usual])) == []
+    assert len(suspects(np.array([0.0, usual / 1e3, usual / 2e3, usual]))) == 1
 
 
 def test_marks_in_the_coordinates_are_no_degrees(table):

@@ -10,15 +10,17 @@ from matplotlib.patches import Rectangle
 
 from fieldrecon.io.targets import Targets, TargetValues, grid_nodes
 from fieldrecon.pages.reconstruction_page import _flattened
+from fieldrecon.pipelines import reconstruct
 from fieldrecon.pipelines.scans import ScanResult
 from fieldrecon.pipelines.validation import Validation
 from fieldrecon.pipelines.variograms import variogram
 from fieldrecon.plotting.field_pictures import _draw_scattered, _drawn, _set_axes
+from fieldrecon.plotting.field_pictures import plot as plot_field
 from fieldrecon.plotting.maps import map_axes
 from fieldrecon.plotting.mesh_pictures import Marks, MeshPicture, draw, marks, plot_audit
 from fieldrecon.plotting.style import PLAIN_NUMBERS, figure
 from fieldrecon.plotting.surface_picture import plot
-from fieldrecon.plotting.validation_pictures import plot_distances, plot_variogram
+from fieldrecon.plotting.validation_pictures import plot_distances, plot_held_out, plot_variogram
 from fieldrecon.solids.marching_cubes import extract_surface
 from fieldrecon.solids.shapes import Ball
 from fieldrecon.triangles.audit import audit_mesh
@@ -143,6 +145,45 @@ def test_a_grid_is_drawn_with_increasing_axes(y, regular):
         assert drawn.values.tolist() == [a + 10 * b for b in sorted(y) for a in (3, 4)]
     else:
         assert drawn.values.tolist() == values.tolist()
+
+
+def test_of_many_scattered_targets_some_are_drawn_and_of_a_mesh_all_vertices():
+    """Every third of 50,000, with its own value, error and flag."""
+    points = np.random.default_rng(0).random((50_000, 2))
+    values, error = points @ [1.0, 10.0], points @ [2.0, 3.0]
+    flags = (points[:, 0] > 0.5).astype(int)
+    for cells, step in ((None, 3), (np.array([[0, 1, 49_999]]), 1)):
+        targets = Targets(points, cells=cells)
+        drawn = _drawn(TargetValues(("x", "y", "f"), targets, values, error, flags))
+        np.testing.assert_array_equal(drawn.targets.points, points[::step])
+        np.testing.assert_array_equal(drawn.values, values[::step])
+        np.testing.assert_array_equal(drawn.error, error[::step])
+        np.testing.assert_array_equal(drawn.extrapolated, flags[::step])
+
+
+@pytest.mark.parametrize(
+    ("d", "n", "drawn"), [(2, 40, 40), (2, 5000, 5000), (2, 5001, 0), (3, 40, 0)]
+)
+def test_samples_are_drawn_on_a_map_unless_they_would_hide_it(d, n, drawn):
+    """In space they are not drawn, since a map shows one height."""
+    points = np.random.default_rng(0).random((n, d))
+    axes = {"xyz"[k]: points[:, k] for k in range(d)}
+    survey = reconstruct(**axes, value=points[:, 0], method="ls1", at=points[:20])
+    shown = [line.get_xydata() for line in plot_field(survey).axes[0].lines]
+    assert sum(map(len, shown)) == drawn
+    if drawn:
+        np.testing.assert_array_equal(shown[0], survey.samples.points)
+
+
+def test_held_out_values_are_drawn_against_the_predicted_ones():
+    """Beside the diagonal, on which they are equal."""
+    values, residuals = np.random.default_rng(1).random((2, 9))
+    validation = Validation(None, *np.zeros((3, 9)), values, residuals)
+    dots, diagonal = plot_held_out(validation, "f").axes[0].lines
+    np.testing.assert_allclose(dots.get_xdata() + residuals, dots.get_ydata())
+    np.testing.assert_array_equal(dots.get_ydata(), values)
+    ends = [values.min(), values.max()]
+    assert diagonal.get_xydata().tolist() == [[end, end] for end in ends]
 
 
 def test_a_notebook_shows_a_figure():

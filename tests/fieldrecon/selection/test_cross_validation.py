@@ -223,7 +223,9 @@ def test_a_variant_is_fitted_once_on_each_fold():
     both = Model("both", "LS", "", lambda _: [], parts=(plane, MODELS["ls2"]))
     points = uniform(100, 2, seed=0)
     validator = CrossValidator.of(points, franke(points))
-    scores = validator.compare([plane, both])
+    done = []
+    scores = validator.compare([plane, both], progress=lambda *one: done.append(one))
+    assert done == [(1, 3), (2, 3)], "all folds are the last step"
     assert [score.n_held_out for score in scores] == 2 * [validator.n_held_out]
     assert sizes == [len(fold.fitted) for fold in validator.folds]
 

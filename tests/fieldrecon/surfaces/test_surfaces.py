@@ -10,7 +10,7 @@ from fieldrecon.solids.constructive import as_solid, blend, morph, transform
 from fieldrecon.solids.marching_cubes import extract_surface
 from fieldrecon.solids.shapes import Ball, Box, Cylinder, Torus, roughened, sample_surface
 from fieldrecon.surfaces import implicit_surfaces, off_surface
-from fieldrecon.surfaces.cloud_cleaning import _beside, as_clean_cloud, noise_of
+from fieldrecon.surfaces.cloud_cleaning import _at_boundaries, _beside, as_clean_cloud, noise_of
 from fieldrecon.surfaces.implicit_surfaces import _box_about, _far_points, implicit_surface
 from fieldrecon.surfaces.off_surface import classified_points, off_surface_points, spacing_of
 from laws import assert_close
@@ -279,6 +279,23 @@ def test_neighbours_count_by_the_squared_cosine_of_their_elevation(angle, share,
     points = unit * np.array([[0, 0, 0], [np.cos(angle), 0, -np.sin(angle)]])
     normals = np.array([[0, 0, 1.0]] * 2)
     assert_close(_beside(points, normals, np.array([[1], [0]])), [[share]] * 2, 1e-14)
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("side", [1.0, -1.0], ids=["sheet", "slit"])
+def test_the_rim_of_a_sheet_looks_away_from_it_and_that_of_a_slit_into_it(side, unit):
+    """Where no normals are known, or in the middle, the direction is not known."""
+    x, y, z = (axis.ravel() for axis in np.meshgrid([0, -1, -2, -3], [-1, 0, 1], [0.1, -0.1]))
+    points = np.array([[0, 0, 0], *np.column_stack([x, y, z]), [-1.5, 0, 0]])
+    normals = np.where(points[:, 2:] > 0, side, -side) * [0, 0, 1]
+    trusted = points[:, 2] != 0
+    around = np.arange(1, 25)
+    neighbors = np.array([[0, *around], [25, *around]])
+    turned = unit * points @ ROTATION + 3 * unit
+    directions, known = _at_boundaries(turned, normals @ ROTATION, trusted, neighbors)
+    assert known.tolist() == [True, False]
+    assert_close(directions, np.array([[side, 0, 0], normals[25]]) @ ROTATION, 1e-12)
+    assert not _at_boundaries(turned, normals, np.zeros(26, dtype=bool), neighbors)[1].any()
 
 
 @pytest.mark.slow

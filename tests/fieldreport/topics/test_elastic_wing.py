@@ -57,9 +57,13 @@ def test_a_diverging_iteration_is_stopped():
     assert grown.residuals[0] == 9.0
     assert len(grown.residuals) < 12
     assert not grown.converged
-    at_rest = fixed_point(lambda x: x, [1.0, 2.0])
+    start = np.array([1.0, 2.0])
+    at_rest = fixed_point(lambda x: x, start)
+    assert not np.shares_memory(at_rest.value, start)
     assert at_rest.converged
     assert len(at_rest.residuals) == 1
+    assert at_rest.contraction == 0.0
+    assert fixed_point(lambda x: x / 4, [1.0, 2.0], relaxation=1.0, maxiter=1).contraction == 0.25
     with pytest.raises(ValueError, match=r"func\(x\) must be finite"):
         fixed_point(lambda x: x / 0 if np.any(x) else x + np.nan, 0.0)
     assert not fixed_point(lambda x: x + 1, 0.0, maxiter=5).converged
