@@ -12,7 +12,7 @@ import numpy as np
 from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.io.column_names import bare_name
 from fieldrecon.io.frames import Source, as_source, bad_row_message, numbered, read_source
-from fieldrecon.io.mesh_content import MeshContent
+from fieldrecon.io.mesh_content import MeshContent, require_vertices
 from fieldrecon.io.meshes import READERS, read_content
 from fieldrecon.io.tables import ColumnSpec
 
@@ -105,9 +105,7 @@ def _checked(cloud: Cloud, source: Source) -> Cloud:
         raise ValueError(
             f"{source} holds {len(cloud.points)} points; a surface takes {_MIN_POINTS} at least"
         )
-    m = cloud.triangles
-    if len(m) and (m.min() < 0 or m.max() >= len(cloud.points)):
-        raise ValueError(f"{source} holds a triangle of points that it does not hold")
+    require_vertices(source, cloud.triangles, len(cloud.points))
     return _with_normals(cloud)
 
 

@@ -91,6 +91,17 @@ def face_blocks(faces: np.ndarray | Iterable[np.ndarray]) -> list[CellBlock]:
     return [_block(np.array(block)) for block in blocks]
 
 
+def require_vertices(source: object, triangles: np.ndarray, n: int) -> None:
+    """Refuse triangles (m, 3) with a corner that is none of n vertices."""
+    missing = np.flatnonzero(((triangles < 0) | (triangles >= n)).any(axis=1))
+    if len(missing):
+        first = int(missing[0])
+        raise ValueError(
+            f"{source}: triangle {first} has the corners {triangles[first].tolist()}, and the "
+            f"vertices are numbered from 0 to {n - 1}"
+        )
+
+
 def _block(faces: np.ndarray) -> CellBlock:
     return _KINDS.get(faces.shape[1], "polygon"), faces.astype(np.intp)
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from fieldrecon._core import validation as valid
 from fieldrecon._core.atomic_files import whole_file, write_atomically
 from fieldrecon._core.extras import optional
-from fieldrecon.io.mesh_content import MeshContent
+from fieldrecon.io.mesh_content import MeshContent, require_vertices
 from fieldrecon.io.obj import read_obj
 from fieldrecon.io.ply import read_ply
 from fieldrecon.io.stl import read_stl, stl_bytes
@@ -214,8 +214,7 @@ def read_triangles(path: str | Path, *, triangulate: bool = False) -> tuple[np.n
 def _surface(path: str | Path, content: MeshContent) -> tuple[np.ndarray, np.ndarray]:
     triangles = _cells(path, content, "triangle").astype(np.intp)
     n, d = content.points.shape
-    if triangles.min() < 0 or triangles.max() >= n:
-        raise ValueError(f"{path} holds a triangle of points that it does not hold")
+    require_vertices(path, triangles, n)
     points = np.zeros((n, 3))
     points[:, :d] = content.points
     return points, triangles

@@ -147,7 +147,11 @@ def test_points_of_a_vtk_file_are_read(tmp_path):
             ply("binary_little_endian", faces=[[0, 1, 2]] * 9)[:-5],
             "announces 9 faces and holds 8",
         ),
-        ("a.ply", ply("ascii", faces=[[0, 1, 99]]), "points that it does not hold"),
+        (
+            "a.ply",
+            ply("ascii", faces=[[0, 1, 99]]),
+            r"triangle 0 has the corners \[0, 1, 99\], and the vertices are numbered from 0 to 41",
+        ),
         ("a.ply", ply("ascii").replace(b"0.0", b"zero"), "a word that is not a number"),
         ("a.obj", b"v 1 2 3\nv 1 x 2\n", "line 2: 'v 1 x 2'"),
         ("a.obj", b"v 1 2\n", "fewer than three coordinates"),
