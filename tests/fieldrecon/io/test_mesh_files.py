@@ -220,7 +220,7 @@ def test_invalid_meshes_are_refused(text, words, tmp_path):
 def test_a_triangle_with_a_missing_vertex_is_refused(tmp_path):
     """This is the only requirement on the triangles of a surface."""
     (tmp_path / "bad.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")
-    with pytest.raises(ValueError, match=r"bad.obj holds a triangle of points that it does not"):
+    with pytest.raises(ValueError, match=r"bad.obj: triangle 0 has the corners \[0, 1, 3\]"):
         read_surface(tmp_path / "bad.obj")
 
 

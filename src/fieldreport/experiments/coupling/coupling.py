@@ -13,6 +13,7 @@ Wendland, Scattered Data Approximation (2005), section 1.2; Farhat, Lesoinne and
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -190,8 +191,16 @@ def errors_of(params: Params, job: tuple[str, int]) -> np.ndarray:
     given = wing(params)
     nodes = spars(params, stations, (0.0,) if way.endswith("flat") else (1.0, -1.0))
     wanted = quantities(given.skin, given.forces)
-    errors = np.abs(quantities(nodes, WAYS[way](nodes, given)) / wanted - 1)
-    return np.maximum(errors, ROUNDING)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)
+        try:
+            loads = WAYS[way](nodes, given)
+        except RuntimeWarning as warning:
+            raise ValueError(
+                f"with {stations} stations the spars of a chord of {params.chord:g} are too far "
+                f"apart for the edges of the skin; a smaller chord or fewer stations help: {warning}"
+            ) from None
+    return np.maximum(np.abs(quantities(nodes, loads) / wanted - 1), ROUNDING)
 
 
 def footprints(params: Params, given: Wing) -> tuple[np.ndarray, np.ndarray]:
