@@ -198,7 +198,8 @@ def errors_of(params: Params, job: tuple[str, int]) -> np.ndarray:
         except RuntimeWarning as warning:
             raise ValueError(
                 f"with {stations} stations the spars of a chord of {params.chord:g} are too far "
-                f"apart for the edges of the skin; a smaller chord or fewer stations help: {warning}"
+                "apart for the edges of the skin; a smaller chord or fewer stations help: "
+                f"{warning}"
             ) from None
     return np.maximum(np.abs(quantities(nodes, loads) / wanted - 1), ROUNDING)
 
