@@ -660,7 +660,23 @@ class LeastNormParabola(LeastSquares):
     def _weight_rows(self, x):
         return monomials(x, 2) @ np.linalg.pinv(monomials(self.points, 2))
 
+    def _gradient_weight_rows(self, x):
+        return tuple(np.zeros((x.shape[1], len(x), len(self.points))))
+
+    def _far_among(self, x):
+        return x[:0]
+
     _prepare, _value_rows = Reconstruction._prepare, Reconstruction._value_rows
+
+
+class PolynomialsAnywhere(LeastSquares):
+    """Takes polynomials also where their rounding decides the values."""
+
+    def _basis_at(self, x):
+        return self._basis.values(self._frame.local(x))
+
+    def _far_among(self, x):
+        return x[:0]
 
 
 class CornersInSinglePrecision(BarycentricCoordinates):
@@ -821,9 +837,8 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         made(PLATE, "ConstraintForgotten", lambda p, _: ConstraintForgotten(p)),
     ],
     laws.polynomials_are_reproduced_far_away_or_refused: [
-        wrapped(PARABOLA, LosesConstantsFarAway),
-        wrapped(PARABOLA, LosesWeightsFarAway),
         wrapped(CUBICS, LosesConstantsFarAway),
+        wrapped(CUBICS, LosesWeightsFarAway),
     ],
     laws.data_are_interpolated_if_and_only_if_declared: [
         wrapped(PLATE, InterpolationMisdeclared),
@@ -941,6 +956,11 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
             replace(PARABOLA, arrangements=("circle",)),
             "LeastNormParabola",
             lambda p, _: LeastNormParabola(p),
+        ),
+        made(
+            replace(PARABOLA, arrangements=("clusters",)),
+            "PolynomialsAnywhere",
+            lambda p, _: PolynomialsAnywhere(p, 3),
         ),
         made(
             replace(PATCHES, arrangements=("one line",)),

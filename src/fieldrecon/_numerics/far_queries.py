@@ -45,7 +45,8 @@ def are_far(box: tuple[np.ndarray, np.ndarray], x: np.ndarray) -> np.ndarray:
 def refuse_lost_constants(x: np.ndarray, error: np.ndarray) -> None:
     """Refuse queries (m, d) at which constants have errors (m, v) of more than LOST."""
     worst = np.max(error, axis=1, initial=0.0)
-    lost = np.flatnonzero(worst > LOST)  # values that are not finite are reported elsewhere
+    # values that are not finite are reported elsewhere
+    lost = np.flatnonzero((worst > LOST) & np.isfinite(worst))
     if len(lost):
         raise np.linalg.LinAlgError(
             f"rounding decides the value at ({format_point(x[lost[0]])}): so far from the points "
