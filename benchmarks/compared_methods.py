@@ -58,7 +58,11 @@ def patches_by_leave_one_out(points: np.ndarray, values: np.ndarray) -> Field:
 
 
 def chosen(points: np.ndarray, values: np.ndarray) -> Field:
-    """The method that `fieldrecon reconstruct` chooses, the time of the choice included."""
+    """The method of least error at left-out samples, the time of the choice included.
+
+    The choice does not know the queries, as the compared methods do not. `fieldrecon reconstruct`
+    knows them, and holds samples out at their distances.
+    """
     validator = CrossValidator.of(points, values)
     scores = validator.compare([*MODELS.values()])
     return best(scores, lambda score: score.maker(points).field(values))[1]

@@ -135,6 +135,7 @@ def _is_name(given: Any, role: str) -> bool:
 def _table_of_arrays(arrays: Mapping[str, Any]) -> tuple[Frame, Names]:
     if not {"x", "y", "value"} <= {*arrays}:
         raise ValueError("give samples: data, or arrays x, y and value, or load with a field")
+    _require_one_index(arrays)
     own = {role: _own_name(array, role) for role, array in arrays.items()}
     names = own if len({*own.values()}) == len(own) else {role: role for role in arrays}
     values, value = _columns_of_values(arrays["value"], names["value"])
@@ -146,6 +147,7 @@ def _table_of_arrays(arrays: Mapping[str, Any]) -> tuple[Frame, Names]:
 def _table_of_points(points: Any, arrays: Mapping[str, Any]) -> tuple[Frame, Names]:
     if {*arrays} - {"sigma"} != {"value"}:
         raise ValueError("with data as an array of points (n, d), give the array value (n,)")
+    _require_one_index(arrays)
     name = _own_name(arrays["value"], "value")
     name = "value" if name in (*AXES, "sigma") else name
     values, value = _columns_of_values(arrays["value"], name)
@@ -166,6 +168,21 @@ def _columns_of_values(array: Any, name: str) -> tuple[dict[str, Any], str | lis
     return named, [*named]
 
 
+def _require_one_index(arrays: Mapping[str, Any]) -> None:
+    """Refuse columns of data frames whose rows have other labels, or the same in another order."""
+    indices = {role: getattr(array, "index", None) for role, array in arrays.items()}
+    (first, labels), *others = [
+        *((role, index) for role, index in indices.items() if hasattr(index, "equals")),
+        ("", None),
+    ]
+    for role, index in others[:-1]:
+        if not labels.equals(index):
+            raise ValueError(
+                f"{first} and {role} have different indices, so their rows do not belong together "
+                "in this order; align them, or give arrays without an index"
+            )
+
+
 def _own_name(array: Any, role: str) -> str:
     """The name that an array has, as a column of a data frame does, else its role."""
     name = getattr(array, "name", None)
@@ -178,6 +195,11 @@ def read_source(source: Source, spec: ColumnSpec, progress: Progress | None = No
         return read_table(source, spec, progress)
     names = [source.names[k] for k in spec.choose(source.names)]
     columns = source.read(names)
+    if of_complex := [n for n, c in zip(names, columns, strict=True) if c.dtype.kind == "c"]:
+        raise ValueError(
+            f"{source}: {of_complex[0]} is complex; give its real and its imaginary part as two "
+            "values"
+        )
     lengths = {len(column) for column in columns}
     if len(lengths) > 1:
         sizes = ", ".join(f"{name} {len(c)}" for name, c in zip(names, columns, strict=True))

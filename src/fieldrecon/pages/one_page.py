@@ -13,6 +13,8 @@ from string import Template
 from typing import Any
 from urllib.parse import quote
 
+import numpy as np
+
 
 class Html(str):
     """A text that is HTML, and is not escaped again."""
@@ -160,6 +162,9 @@ def pairs(parameters: Mapping[str, Any]) -> Html:
 def _formatted(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
+    if isinstance(value, np.ndarray) and value.ndim:
+        return f"{' × '.join(map(str, value.shape))} numbers"
     if isinstance(value, Sequence) and not isinstance(value, str):
-        return " × ".join(map(str, value))
+        between = ", " if any(isinstance(one, str) for one in value) else " × "
+        return between.join(map(str, value))
     return str(value)

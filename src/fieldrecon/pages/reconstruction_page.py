@@ -250,10 +250,12 @@ def _row(score: ModelScore, chosen: bool) -> Html:
 
 
 def _flattened(described: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Return nested parameters under one name each, such as "kernel scale"."""
+    """Return nested parameters under one name each: "kernel scale", "methods 2 degree"."""
     flat: dict[str, Any] = {}
     for key, value in described.items():
-        if isinstance(value, Mapping):
+        if isinstance(value, list) and all(isinstance(one, Mapping) for one in value):
+            flat |= _flattened({f"{key} {k}": one for k, one in enumerate(value, 1)}, prefix)
+        elif isinstance(value, Mapping):
             inner = dict(value)
             flat[f"{prefix}{key}"] = inner.pop("name")
             flat |= _flattened(inner, f"{prefix}{key} ")

@@ -8,9 +8,11 @@ import numpy as np
 
 from fieldrecon._core import validation as valid
 
-_FAR = 3.0  # distance from the other values, in ranges of these
+_FAR, _APART, _BESIDE = 3.0, 1.0, 0.1
+"""Distances from the other values, in ranges of these: of any number that is repeated, of a usual
+mark that occurs once, and of one that is repeated."""
 _USUAL = {float(f"{'9' * k}") for k in range(2, 8)} | {32767.0, 32768.0, 1e20, 1e30}
-"""Absolute values of usual marks, which count if they occur once and are less far."""
+"""Absolute values of usual marks."""
 _LEAST_OTHERS = 3
 
 
@@ -53,8 +55,9 @@ def suspects(values: np.ndarray) -> list[Suspect]:
         inner = distinct[high - 1] - distinct[low + 1]
         gaps = {low: distinct[low + 1] - distinct[low], high: distinct[high] - distinct[high - 1]}
         end = max(gaps, key=lambda k: gaps[k])
-        usual = abs(distinct[end]) in _USUAL
-        if not gaps[end] > (1.0 if usual else _FAR) * inner or (counts[end] < 2 and not usual):
+        usual, repeated = abs(distinct[end]) in _USUAL, counts[end] > 1
+        far = (_BESIDE if repeated else _APART) if usual else _FAR
+        if not gaps[end] > far * inner or not (usual or repeated):
             break
         found.append(Suspect(float(distinct[end]), int(counts[end]), (0.0, 0.0)))
         low, high = (low + 1, high) if end == low else (low, high - 1)

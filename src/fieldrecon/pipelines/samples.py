@@ -156,7 +156,11 @@ class Samples:
         )
 
     def _value_warnings(self) -> Iterator[str]:
-        for name, column in zip(self.value_names, self.columns.T, strict=True):
+        columns = [*self.points.T, *self.columns.T]
+        named = [*zip(self.names, columns, strict=True)]
+        if self.sigma is not None:
+            named.append(("The standard deviation", self.sigma))
+        for name, column in named:
             for value, count, (low, high) in suspects(column):
                 times = "once" if count == 1 else f"{count} times"
                 yield (

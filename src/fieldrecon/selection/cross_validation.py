@@ -285,6 +285,8 @@ class CrossValidator:
                 refused[score.model.name] = (
                     f"its weights amplify noise {ratio:.2g} times as much at the targets as at the "
                     f"held-out samples, so the {score.errors} is not that at the targets"
+                    if np.isfinite(ratio)
+                    else "it has no field at some of the targets"
                 )
             else:
                 accepted += 1

@@ -304,15 +304,29 @@ def found_beside(end, ranges, times):
 @pytest.mark.parametrize("mark", [99, 999, 9999, 99999, 999999, 9999999, 32767, 32768, 1e20, 1e30])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_usual_mark_may_occur_once_and_is_found_nearer(mark, sign):
-    """At one range of the other values; any other number repeatedly, and at three ranges."""
+    """Once at one range of the other values, repeatedly at a tenth; any other number at three."""
     usual, other = sign * mark, 1.01 * sign * mark
     assert found_beside(usual, 1.1, 1) == [(usual, 1)]
-    assert found_beside(usual, 0.9, 2) == []
+    assert found_beside(usual, 0.9, 1) == []
+    assert found_beside(usual, 0.11, 2) == [(usual, 2)]
+    assert found_beside(usual, 0.09, 2) == []
     assert found_beside(other, 100.0, 1) == []
     assert found_beside(other, 3.1, 2) == [(other, 2)]
     assert found_beside(other, 2.9, 2) == []
     assert suspects(np.array([0.0, usual / 1e3, usual])) == []
     assert len(suspects(np.array([0.0, usual / 1e3, usual / 2e3, usual]))) == 1
+
+
+def test_marks_are_named_in_depths_in_coordinates_and_in_standard_deviations(table):
+    """Also where the depths have a range as large as the mark, and several marks on one side."""
+    rng = np.random.default_rng(0)
+    x, y, depth = rng.uniform(0, 1, 300), rng.uniform(0, 1, 300), rng.uniform(-7600, -50, 300)
+    depth[:9], depth[9:13], x[20:23], sigma = -9999, -8888, 9999, rng.uniform(1, 2, 300)
+    sigma[40:42] = -999
+    rows = "".join(map("{},{},{},{}\n".format, x, y, depth, abs(sigma)))
+    said = read_samples(table("x,y,depth,s\n" + rows), sigma="s").warnings
+    for words in ("depth is -9999 9 times", "x is 9999 3 times", "deviation is 999 2 times"):
+        assert any(words in sentence for sentence in said), (words, said)
 
 
 def test_marks_in_the_coordinates_are_no_degrees(table):
