@@ -8,9 +8,10 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
+from matplotlib.font_manager import FontProperties, findfont
 
 from fieldrecon.plotting import style
-from fieldrecon.plotting.fonts import MATH, font_bytes
+from fieldrecon.plotting.fonts import MATH, SERIF_FACES, font_bytes, font_file
 from fieldrecon.plotting.maps import hillshade, map_axes
 from report_fixtures import REPORT
 
@@ -171,6 +172,16 @@ def test_hillshade_is_brighter_on_slopes_facing_the_light():
     assert (
         hillshade(faces_north_west, 1, 1).mean() > flat > hillshade(faces_south_east, 1, 1).mean()
     )
+
+
+@pytest.mark.parametrize(
+    ("face", "look"), [("regular", {}), ("italic", {"style": "italic"}), ("bold", {"weight": 700})]
+)
+def test_words_in_figures_are_set_in_the_fonts_of_the_report(face, look):
+    """They are those of Typst and not of the system."""
+    with style.style():
+        found = findfont(FontProperties(**look), fallback_to_default=False)
+    assert found == str(font_file(SERIF_FACES[face]))
 
 
 def test_a_font_that_typst_lacks_is_refused():

@@ -1,11 +1,13 @@
 """The command `fieldrecon audit`: exit status, table, JSON, picture and repair."""
 
 import json
+from pathlib import Path
 
 import matplotlib.image
 import numpy as np
 import pytest
 
+from fieldrecon.cli.audit import print_audit
 from fieldrecon.cli.main import main
 from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.plotting import mesh_pictures
@@ -106,6 +108,27 @@ def test_tolerance_decides_which_vertices_coincide(folder, capsys):
     assert "duplicate" not in capsys.readouterr().out
     assert main(["audit", "seam.ply", "--tolerance", "1e-5", "--repair", "sewn.ply"]) == 0
     assert "duplicate" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("corners", [3, 6, 7, 12])
+@pytest.mark.parametrize("alone", [1, 3, 4])
+def test_few_indices_of_each_error_are_printed(capsys, corners, alone):
+    """Three errors of a kind, and six vertices of a hole, as where a regular mesh lacks one vertex.
+
+    An ellipsis stands for the others.
+    """
+    angle = 2 * np.pi * np.arange(corners) / corners
+    rim = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
+    ring = np.arange(corners)
+    fan = np.column_stack([np.full(corners, corners), ring, np.roll(ring, -1)])
+    points = np.vstack([rim, [[0, 0, 1]], 9.0 + np.arange(3 * alone).reshape(-1, 3)])
+    found = audit_mesh(points, fan)
+    print_audit(Path("fan.ply"), found)
+    shown = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    loop = "-".join(map(str, found.boundary_loops[0][:6]))
+    assert f" {loop}{'-…' if corners > 6 else ''} " in f"{shown} "
+    unused = ", ".join(map(str, found.unreferenced_vertices[:3]))
+    assert f" {unused}{', …' if alone > 3 else ''} " in f"{shown} "
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,10 @@ import multiprocessing
 import os
 import signal
 import subprocess
+import sys
 import warnings
 from multiprocessing.process import BaseProcess
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -13,9 +15,25 @@ import pytest
 from fieldrecon._core import worker_processes
 from fieldrecon._core.worker_processes import WorkerPool, _ctrl_c_blocked, start_process
 
+HERE = ["fresh"]
+
 
 def prepare() -> None:
     os.environ["PREPARED"] = "yes"
+
+
+def record(path: Path) -> None:
+    path.write_text(HERE[0])
+
+
+def recorded(path: Path) -> str:
+    """What a process that is started here finds in the memory of this one."""
+    before, HERE[0] = HERE[0], "changed"
+    try:
+        start_process(record, path).join()
+    finally:
+        HERE[0] = before
+    return path.read_text()
 
 
 def test_a_worker_is_prepared_before_its_first_call():
@@ -55,3 +73,11 @@ def test_a_worker_is_started_without_the_warning_about_threads(monkeypatch, recw
     )
     start_process(os.getpid)
     assert len(recwarn) == 0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are only forked on Linux")
+def test_a_process_shares_the_memory_of_a_worker_and_of_no_other_process(tmp_path):
+    """It is forked from a worker; elsewhere, beside threads that may hold locks, it begins anew."""
+    assert recorded(tmp_path / "here") == "fresh"
+    with WorkerPool(1) as pool:
+        assert pool.submit(recorded, tmp_path / "there").result() == "changed"

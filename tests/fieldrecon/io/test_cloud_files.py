@@ -64,11 +64,24 @@ def test_ply_is_read_in_ascii_and_both_byte_orders(tmp_path, kind, mixed):
 def test_triangle_strips_are_consistently_oriented(tmp_path, kind):
     """Every second triangle of a strip is reversed.
 
-    The index -1 begins a new strip, and repeated indices add no triangle.
+    The index -1 begins a new strip at any place, and repeated indices add no triangle.
     """
     path = tmp_path / "strips.ply"
-    path.write_bytes(ply(kind, strip=[0, 1, 2, 3, 4, -1, 5, 6, 7, 7, 8, -1, 9, 10]))
-    assert read_ply(path).face_triangles().tolist() == [[0, 1, 2], [2, 1, 3], [2, 3, 4], [5, 6, 7]]
+    for strip in (
+        [[0, 1]],
+        [[2, 0, 1]],
+        [[0, 1, 2, 3], [4, 5, 6, 7, 7, 8]],
+        [[0, 1, 2, 3, 4], [5, 6, 7, 7, 8], [9, 10]],
+        [[3, 4], [5, 6, 5, 7], [], [8, 8, 9, 10]],
+    ):
+        triangles = []
+        for one in strip:
+            for k, (a, b, c) in enumerate(zip(one, one[1:], one[2:], strict=False)):
+                if len({a, b, c}) == 3:
+                    triangles.append([b, a, c] if k % 2 else [a, b, c])
+        joined = [index for one in strip for index in (*one, -1)][:-1]
+        path.write_bytes(ply(kind, strip=joined))
+        assert read_ply(path).face_triangles().tolist() == triangles
 
 
 def test_normals_are_taken_from_triangles_if_the_file_has_none(tmp_path):

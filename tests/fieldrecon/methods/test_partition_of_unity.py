@@ -19,7 +19,12 @@ from fieldrecon.kernels.conditionally_positive_definite import (
     polyharmonic,
     thin_plate_spline,
 )
-from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric
+from fieldrecon.kernels.positive_definite import (
+    gaussian,
+    inverse_multiquadric,
+    matern,
+    wendland,
+)
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.partition_of_unity import blending as _blending
 from fieldrecon.methods.partition_of_unity import patches as _patches
@@ -89,6 +94,14 @@ def test_the_patches_of_a_query_are_those_whose_balls_contain_it(d, seed, lattic
         assert surely <= found <= perhaps
 
 
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_each_site_in_a_box_of_its_own_is_the_centre_of_a_patch(d):
+    """Patches of two sites have such boxes, some of which are empty."""
+    m = PartitionOfUnityRBF(uniform(50, d, seed=1), polyharmonic(1), 0, 2)
+    centers = m._levels[0].patches.centers
+    assert sorted(centers.tolist()) == sorted(m._frame.local(m.points).tolist())
+
+
 @pytest.mark.parametrize("k", [2, 3, 5, 11, 50])
 def test_levels_have_decreasing_numbers_of_sites(k):
     """Each level has less than half of the sites of the previous one.
@@ -130,15 +143,16 @@ def test_methods_on_the_same_sites_share_their_patches():
     assert PartitionOfUnityRBF(*settings[0])._levels[0].patches is not patches[0]
 
 
+@pytest.mark.parametrize("kernel", [polyharmonic(3), matern(2.5, 3.0)], ids=repr)
 @pytest.mark.parametrize("d", [1, 2, 3])
-def test_one_patch_equals_rbf(d):
-    """Values and gradients agree with `RBF`."""
-    x = np.random.default_rng(d).random((40, d))
-    q = np.random.default_rng(9).random((50, d))
-    one = PartitionOfUnityRBF(x, polyharmonic(3), 1).field(wave(x))
-    other = RBF(x, polyharmonic(3), 1).field(wave(x))
+def test_one_patch_equals_rbf(d, kernel):
+    """Values, gradients and second derivatives agree with `RBF`."""
+    x = 10 * np.random.default_rng(d).random((40, d))
+    q = 10 * np.random.default_rng(9).random((50, d))
+    one, other = (method(x, kernel, 1).field(wave(x)) for method in (PartitionOfUnityRBF, RBF))
     assert_close(one(q), other(q), 1e-9)
     assert_close(one.gradient(q), other.gradient(q), 1e-7)
+    assert_close(one.hessian(q), other.hessian(q), 1e-6)
 
 
 # --- smoothness -----------------------------------------------------------------------------------
@@ -461,11 +475,29 @@ def test_coincident_sites_are_named():
         PartitionOfUnityRBF(crowd, smoothing=1e-6)
 
 
-def test_a_gradient_that_does_not_exist_is_refused():
-    """-r has no gradient at a site."""
-    s = PartitionOfUnityRBF(X, polyharmonic(1), 0).field(wave(X))
-    with pytest.raises(ValueError, match="has no gradient at a site"):
-        s.gradient(X[:1])
+@pytest.mark.parametrize(
+    ("kernel", "orders"),
+    [
+        (polyharmonic(1), 0),
+        (thin_plate_spline(), 1),
+        (matern(1.0, 0.5), 1),
+        (polyharmonic(3), 2),
+        (matern(1.5, 0.5), 2),
+        (wendland(3, 1, 0.5), 2),
+    ],
+    ids=repr,
+)
+def test_at_a_site_a_field_has_the_derivatives_that_its_kernel_has(kernel, orders):
+    """They are the limits of those beside the site; further ones are refused."""
+    s, site = PartitionOfUnityRBF(X[:300], kernel).field(wave(X[:300])), X[20:23]
+    derivatives = ((s.gradient, "gradient"), (s.hessian, "second derivatives"))
+    for order, (derivative, name) in enumerate(derivatives, 1):
+        beside = derivative(site + 1e-9)
+        if order <= orders:
+            assert_close(derivative(site), beside, 1e-5 * np.abs(beside).max())
+        else:
+            with pytest.raises(ValueError, match=f"has no {name if orders else 'gradient'} at a"):
+                derivative(site)
 
 
 # --- executors, progress, sparsity ----------------------------------------------------------------
@@ -566,11 +598,3 @@ def test_many_right_hand_sides_are_grouped_by_system():
         found = batched_solve_grouped(lambda i, b: np.linalg.solve(a[i], b), system, right, 5, 2)
         alone = [np.linalg.solve(a[i], b) for i, b in zip(system, right, strict=True)]
         assert_close(found, np.reshape(alone, (m, 5)), 1e-12)
-
-
-def test_second_derivatives_of_plates_are_refused_at_sites():
-    """They have gradients there, and no second derivatives."""
-    field = PartitionOfUnityRBF(X, thin_plate_spline()).field(franke(X))
-    assert np.isfinite(field.gradient(X[:3])).all()
-    with pytest.raises(ValueError, match="has no second derivatives at a site"):
-        field.hessian(X[:3])

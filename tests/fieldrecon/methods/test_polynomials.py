@@ -118,12 +118,23 @@ def test_overflowing_coefficients_are_refused():
 
 
 def test_the_resolution_is_rounding_relative_to_the_extent():
-    """It is 1e-16 near the origin and 1e-10 at a distance of 1e6 extents."""
+    """It is 1e-16 near the origin and 1e-10 at a distance of 1e6 extents.
+
+    Of several axes the worst counts, but none whose extent is rounding itself.
+    """
     eps = float(np.finfo(float).eps)
+
+    def is_about(right):
+        return pytest.approx(right, rel=1e-5, abs=0.0)
+
     x = np.linspace(0, 1, 11)[:, None]
-    assert resolution(x) == pytest.approx(eps)
-    assert resolution(x + 1e6) == pytest.approx(1e6 * eps, rel=1e-5)
-    assert resolution(x[:1]) == pytest.approx(eps)
+    for near in (x, x - 0.5, 1.7e308 * (2 * x - 1), x[:1], np.ones((2, 2))):
+        assert resolution(near) == is_about(eps)
+    assert resolution(x + 1e6) == resolution(-x - 1e6) == is_about(1e6 * eps)
+    assert resolution(np.hstack([x, x + 1e3, x + 1e6, x + 10.0])) == is_about(1e6 * eps)
+    for steps, right in ((2, eps), (8, eps / (8 * eps))):
+        rounded = 1 + eps * steps * x
+        assert resolution(np.hstack([x, rounded])) == is_about(right)
 
 
 # --- unisolvent points ----------------------------------------------------------------------------

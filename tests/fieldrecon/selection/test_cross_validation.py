@@ -38,6 +38,20 @@ def winner(points, values):
     return best(scores(points, values), field_of(points, values))[0].model
 
 
+@pytest.mark.parametrize("name", ALONE)
+def test_variants_have_more_and_more_smoothing_in_units_of_their_kernel(name):
+    """The first one interpolates. In another unit of length, kernels r^k have another size."""
+    points, unit = uniform(300, 2, seed=0), 8.0
+    both = (MODELS[name].makers(x) for x in (points, unit * (points - 2)))
+    for paths in zip(*both, strict=True):
+        here, there = (np.array([m.keywords.get("smoothing", 0.0) for m in path]) for path in paths)
+        assert here[0] == 0
+        assert (np.diff(here) > 0).all()
+        if len(here) > 1:
+            power = paths[0][0].keywords["kernel"].homogeneity
+            np.testing.assert_allclose(there, here * unit**power, rtol=1e-12)
+
+
 @pytest.mark.slow
 def test_the_selected_method_fits_the_kind_of_data():
     """A noisy plane, a smooth field and a noisy field each select a method made for them."""

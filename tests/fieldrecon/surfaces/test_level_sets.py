@@ -3,9 +3,11 @@
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.spatial import cKDTree
 
 import fieldrecon as fr
 from fieldrecon.pipelines import surface
+from fieldrecon.surfaces.level_sets import LevelSet
 
 POINTS = 2 * fr.datasets.halton(1500, 3) - 1
 DISTANCE = np.linalg.norm(POINTS, axis=1) - 0.6
@@ -27,6 +29,40 @@ def test_a_ball_of_signed_distances_far_from_the_origin(sign):
     np.testing.assert_allclose(radius, 60, rtol=0.02)
     side = "less" if sign > 0 else "greater"
     assert f"The body is where the value is {side} than 0" in " ".join(scan.warnings)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_box_has_a_margin_of_one_spacing(sign):
+    """On a lattice the spacing is its step; the body does not depend on the sign of the scalar."""
+    step, low = 0.25, np.array([2.0, 0.0, -3.0])
+    lattice = np.stack(np.meshgrid(*[np.arange(7.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    points = low + step * lattice
+    distance = np.linalg.norm(points - points.mean(axis=0), axis=1)
+    body = LevelSet(points, sign * distance, sign * 0.6)
+    np.testing.assert_allclose(body.box, [low - step, low + 7 * step], atol=1e-12)
+    np.testing.assert_array_equal(body(points) > 0, distance < 0.6)
+    np.testing.assert_array_equal(body.points, LevelSet(points, -distance, -0.6).points)
+
+
+@pytest.mark.parametrize("seed", range(1, 7))
+def test_the_body_is_where_fewer_of_the_outermost_samples_are(seed):
+    """These are all samples on the sides of the box, here of a lattice with random values."""
+    lattice = np.stack(np.meshgrid(*[np.arange(5.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    values = np.random.default_rng(seed).standard_normal(len(lattice))
+    above = values > 0.1
+    outermost = ((lattice == 0) | (lattice == 4)).any(axis=1)
+    inside = above if above[outermost].mean() < 0.5 else ~above
+    np.testing.assert_array_equal(LevelSet(lattice, values, 0.1)(lattice) > 0, inside)
+
+
+def test_the_level_of_a_linear_scalar_is_crossed_in_its_plane():
+    """Between neighbouring samples it is found by linear interpolation, which is exact."""
+    slope = np.array([1.0, 2.0, -3.0])
+    body = LevelSet(POINTS, POINTS @ slope, 0.3)
+    assert len(body.points) > 50
+    np.testing.assert_allclose(body.points @ slope, 0.3, atol=1e-13)
+    far = cKDTree(POINTS).query(body.points)[0]
+    assert far.max() < 2 * body.spacing
 
 
 @pytest.mark.slow

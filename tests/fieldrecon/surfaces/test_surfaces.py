@@ -271,6 +271,19 @@ def test_points_at_edges_without_normals_are_reported():
     assert mesh.volume == pytest.approx(0.4, rel=0.03)
 
 
+@pytest.mark.parametrize("solid", [Box([1.0, 1.0, 0.4]), Cylinder(1.0, 1.0)], ids=["box", "can"])
+def test_directions_at_edges_are_unit_vectors_that_point_outward(solid):
+    """There no plane fits, and they lie between the normals of the faces."""
+    found = as_clean_cloud(cloud(solid, 1000)[0], None)
+    assert 0 < found.beside.sum() < 0.1 * len(found.points)
+    assert not (found.trusted & found.beside).any()
+    known = found.trusted | found.beside
+    points, outward = found.points[known], found.outward[known]
+    assert_close(np.linalg.norm(outward, axis=1), np.ones(len(points)), 1e-12)
+    assert (solid(points + 0.2 * found.spacing * outward) < 0).all()
+    assert (solid(points - 0.2 * found.spacing * outward) > 0).all()
+
+
 @pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
 @pytest.mark.parametrize(("angle", "share"), [(0, 1.0), (30, 0.75), (60, 0.25), (90, 0.0)])
 def test_neighbours_count_by_the_squared_cosine_of_their_elevation(angle, share, unit):
