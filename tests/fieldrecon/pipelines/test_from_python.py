@@ -176,6 +176,9 @@ def test_the_mean_of_two_methods_is_saved_with_all_that_makes_it(tmp_path, optio
     fr.save(tmp_path / "f.npz", survey.field)
     again = plane(load=tmp_path / "f.npz").result
     assert np.array_equal(again.values, survey.result.values)
+    page = survey.report(tmp_path / "a.html").read_text()
+    assert "methods 2" in page
+    assert "{" not in page.partition("<h2>Parameters")[2]
 
 
 def test_the_mean_of_repeated_samples_is_more_certain():
@@ -230,6 +233,13 @@ def test_a_region_of_the_globe_is_projected_to_a_plane(tmp_path, width, method, 
         (FRAME, {"load": "f.npz"}, ValueError, "give either samples or load"),
         (FRAME, {"crs": "EPSG:1"}, ValueError, "no coordinate reference system 'EPSG:1'"),
         ("nowhere.csv", {}, FileNotFoundError, "nowhere.csv"),
+        (POINTS, {"value": 1j * PLANE}, ValueError, "value is complex; give its real and its"),
+        (
+            None,
+            {"x": FRAME.east, "y": FRAME.north, "value": FRAME["depth [m]"][::-1]},
+            ValueError,
+            "x and value have different indices",
+        ),
     ],
 )
 def test_what_is_no_table_is_refused(data, options, error, words):

@@ -454,7 +454,11 @@ def test_models_that_amplify_noise_at_the_queries_are_refused():
     assert only[0].reason == ""
 
 
-def test_the_best_score_of_an_amplifying_model_is_not_chosen(monkeypatch):
+@pytest.mark.parametrize(
+    ("ratio", "reason"),
+    [(9.0, "amplify noise 9 times as much"), (np.inf, "it has no field at some of the targets")],
+)
+def test_the_best_score_of_an_amplifying_model_is_not_chosen(monkeypatch, ratio, reason):
     """Its reason gives the ratio and its error; without the criterion it would be chosen."""
     points = uniform(150, 2, seed=0)
     plane = points @ [2.0, 3.0] + 0.1 * np.random.default_rng(0).standard_normal(150)
@@ -465,11 +469,11 @@ def test_the_best_score_of_an_amplifying_model_is_not_chosen(monkeypatch):
     monkeypatch.setattr(
         CrossValidator,
         "amplification",
-        lambda _, maker: 9.0 if maker.func is LeastSquares else 1.0,
+        lambda _, maker: ratio if maker.func is LeastSquares else 1.0,
     )
     refused, chosen = validator.compare(models)
     assert (refused.maker, refused.residuals) == (None, None)
-    assert "amplify noise 9 times as much" in refused.reason
+    assert reason in refused.reason
     assert chosen.rank < refused.rank
     assert best([refused, chosen], field_of(points, plane))[0] is chosen
 
