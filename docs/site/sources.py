@@ -4,6 +4,7 @@ The guides stay in ``docs``, the change log and the rest at the root; a build re
 links that leave ``docs`` are changed: to the page of the site, or to a copy of the file.
 """
 
+import html
 import json
 import os
 import re
@@ -42,6 +43,9 @@ page and as PDF, without the comparison of speed and the table of all parameters
 LINK = re.compile(r"(?<=\]\()(?![a-z]+:|#)([^)#\s]+)")
 NAME = re.compile(r"(?<!`)`fr\.([\w.]+)`(?!`)")
 """A public name in a text, which becomes a link to its page."""
+CHAPTER = re.compile(r"(?<![*\[])\*([^*\n]+)\*(?![*\]])")
+"""A name in italics, which may be that of a chapter."""
+TITLE = re.compile(r'<h2[^>]*>(?:<span class="secno">.*?</span>)?\s*([^<]*)</h2>')
 PICTURES = {".png", ".svg"}
 
 
@@ -54,6 +58,7 @@ def assemble(to: Path, report: Path | None) -> None:
     files |= {name: text.encode() for name, text in api.pages().items()}
     files["citing.md"] = citation.page(ROOT).encode()
     if report:
+        files |= {name: named_chapters(files[name].decode(), report).encode() for name in texts}
         files |= report_pages(report)
         files["index.md"] = files["index.md"].replace(b"% report\n", REPORT.encode())
     copied("CITATION.cff", to)
@@ -69,6 +74,24 @@ def report_pages(folder: Path) -> dict[str, bytes]:
     listed = "\n".join(names)
     contents = f"{REPORT_INDEX}\n```{{toctree}}\n:maxdepth: 1\n\n{listed}\n```\n"
     return {"report/index.md": contents.encode(), **chapters}
+
+
+def named_chapters(text: str, folder: Path) -> str:
+    """Return a guide whose names of chapters, as ``*Least squares*``, are links to them."""
+    names = json.loads((folder / "contents.json").read_text(encoding="utf-8"))
+    of_title = {title_of(folder / f"{name}.html"): name for name in names}
+
+    def link(title: re.Match[str]) -> str:
+        name = of_title.get(title[1])
+        return f"[{title[0]}](report/{name}.chapter)" if name else title[0]
+
+    return CHAPTER.sub(link, text)
+
+
+def title_of(chapter: Path) -> str:
+    """Return the title of a chapter, without its number."""
+    title = TITLE.search(chapter.read_text(encoding="utf-8"))
+    return html.unescape(title[1]) if title else ""
 
 
 def linked(place: Path, to: Path) -> str:

@@ -165,6 +165,18 @@ def test_links_of_the_guides_lead_to_pages_or_to_copies(site, tmp_path):
     assert (tmp_path / "files/exercises-01_least_squares.ipynb").is_file()
 
 
+def test_names_of_chapters_in_the_guides_lead_to_the_report(site, tmp_path):
+    """Other words in italics stay as they are, and so do links."""
+    (tmp_path / "contents.json").write_text('["ls", "summary"]')
+    (tmp_path / "ls.html").write_text('<h2><span class="secno">2</span> Least squares</h2>')
+    (tmp_path / "summary.html").write_text('<h2 class="unnumbered">Summary</h2>')
+    text = "*Least squares*, *Summary*, *not*, **Summary**, [*Summary*](a.md)"
+    assert site("sources").named_chapters(text, tmp_path) == (
+        "[*Least squares*](report/ls.chapter), [*Summary*](report/summary.chapter), "
+        "*not*, **Summary**, [*Summary*](a.md)"
+    )
+
+
 @pytest.mark.parametrize(
     ("page", "asks"),
     [
