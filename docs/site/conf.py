@@ -27,6 +27,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "docstrings",
     "drawings",
+    "gallery_figures",
     "chapters",
     "references",
 ]
@@ -78,6 +79,7 @@ html_static_path = [str(HERE / "static")]
 html_css_files = ["site.css"]
 html_js_files = [("reader.js", {"defer": "defer"})]
 html_copy_source = False
+html_search_scorer = str(HERE / "search_scores.js")
 html_show_sphinx = False
 html_show_copyright = False
 html_last_updated_fmt = None

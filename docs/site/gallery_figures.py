@@ -1,10 +1,13 @@
-"""Figures of the gallery: the same settings for each example, and a second one for dark pages."""
+"""Figures of the gallery: the same settings for each example, and a second one for dark pages.
+
+The small pictures of the lists have a dark one, too.
+"""
 
 from __future__ import annotations
 
 import ast
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -21,6 +24,10 @@ from matplotlib.text import Text
 
 from fieldrecon.plotting.figure_files import figure_bytes
 from fieldreport.build.screen_figures import dark_color, webp
+
+if TYPE_CHECKING:
+    from docutils.nodes import document
+    from sphinx.application import Sphinx
 
 IMAGE = """
 .. image:: /{place}
@@ -108,3 +115,37 @@ def _colors_of(artist: Artist) -> tuple[str, ...]:
     if isinstance(artist, Line2D):
         return ("color", "markerfacecolor", "markeredgecolor")
     return ("facecolor", "edgecolor")
+
+
+THUMBNAIL = "_thumb.webp"
+
+
+def add_dark_thumbnails(app: Sphinx, doctree: document) -> None:
+    """Put a dark picture beside each small one; the page shows the one that fits its colours."""
+    from docutils import nodes  # only the site needs it, the tests of figures do not
+
+    for light in list(doctree.findall(nodes.image)):
+        if light["uri"].endswith(THUMBNAIL):
+            dark = light.deepcopy()
+            dark["uri"] = dark_thumbnail(app, light["uri"])
+            for image, page in ((light, "light"), (dark, "dark")):
+                image["classes"] = [*image["classes"], f"only-{page}"]
+            light.parent.insert(light.parent.index(light) + 1, dark)
+
+
+def dark_thumbnail(app: Sphinx, uri: str) -> str:
+    """Return the place of the dark picture of a thumbnail, made of the first figure if need be."""
+    from sphinx_gallery.utils import scale_image
+
+    light = Path(app.srcdir, uri.lstrip("/"))
+    dark = light.with_stem(f"{light.stem}_dark")
+    figure = light.parents[1] / light.name.replace(THUMBNAIL, "_001_dark.webp")
+    if not dark.exists() or dark.stat().st_mtime < figure.stat().st_mtime:
+        scale_image(figure, dark, *app.config.sphinx_gallery_conf["thumbnail_size"])
+    return uri.replace(light.stem, dark.stem)
+
+
+def setup(app: Sphinx) -> dict:
+    """Register with Sphinx; a lower priority comes first, and the images are collected at 500."""
+    app.connect("doctree-read", add_dark_thumbnails, priority=400)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
