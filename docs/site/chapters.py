@@ -7,6 +7,7 @@ between the headings goes into the page as it is.
 
 import html
 import re
+from pathlib import Path
 
 from docutils import nodes
 from sphinx.application import Sphinx
@@ -72,15 +73,22 @@ def write(translator: object, node: Fragment) -> None:
     raise nodes.SkipNode
 
 
-def add_fonts(app: Sphinx, page: str, *_: object) -> None:
-    """Give the chapters the fonts of the report."""
+def choose_styles(app: Sphinx, page: str, _template: str, context: dict, _: object) -> None:
+    """Give the chapters the fonts of the report, and leave out what the gallery loads."""
     if page.startswith("report/"):
         app.add_css_file("../report/report.css")
+        for kind in ("css_files", "script_files"):
+            context[kind] = [file for file in context[kind] if not of_gallery(str(file.filename))]
+
+
+def of_gallery(file: str) -> bool:
+    """Tell whether sphinx-gallery adds this file to every page."""
+    return Path(file).name.startswith(("sg_", "sg-"))
 
 
 def setup(app: Sphinx) -> dict:
     """Register with Sphinx."""
     app.add_node(Fragment, html=(write, None))
     app.add_source_parser(ChapterParser)
-    app.connect("html-page-context", add_fonts)
+    app.connect("html-page-context", choose_styles)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -10,11 +10,20 @@ FIGURE = """<section class="chapter"><figure>
 <text x="9" y="20" style="font-size: 7px">7</text>
 <text x="400" y="190" style="font-size: 9px">9</text>
 </svg></figure></section>"""
+INDICES = """<section class="chapter"><figure>
+<svg class="picture" style="width:100%" viewBox="0 0 440 200"><text>
+<tspan x="9" y="20" style="font-size: 8px">10</tspan>
+<tspan x="20" y="15" style="font-size: 5px">2</tspan>
+</text></svg></figure></section>"""
 WORDS = "the least leave-one-out error of several"
 CELLS = f"<td>{WORDS}</td><td>{WORDS}</td><td><code>{'word' * 9}</code> {WORDS}</td>"
 TABLE = f"""<div class="table-wrapper"><table>
 <thead><tr><th>you have</th><th>use</th><th>code</th></tr></thead><tbody><tr>{CELLS}</tr></tbody>
 </table></div>"""
+LISTED = f"""<div class="table-wrapper"><table>
+<thead><tr><th>risk</th><th>a</th><th>b</th><th>c</th></tr></thead><tbody><tr><td>{WORDS}</td><td>yes</td><td>{WORDS}</td><td>{WORDS}</td></tr></tbody>
+</table></div>"""
+CODE = f"<section class='chapter'><p>{WORDS}</p><pre>{'long ' * 20}</pre></section>"
 
 
 @pytest.fixture
@@ -60,3 +69,33 @@ def test_a_wide_table_of_text_is_stacked_on_a_phone_only(open_page):
     assert first == second < third
     box = "document.querySelector('.table-wrapper')"
     assert phone.evaluate(f"{box}.scrollWidth - {box}.clientWidth") <= 1
+
+
+def test_letters_that_only_parts_of_a_text_have_count_and_indices_do_not(open_page):
+    """Formulas in figures have the sizes of their letters at parts of the text."""
+    page = open_page(INDICES, 390)
+    scale = page.evaluate("document.querySelector('tspan').getScreenCTM().a")
+    assert scale == pytest.approx(11 / 8)
+
+
+def test_a_table_of_four_long_columns_names_each_cell_on_a_phone_only(open_page):
+    """Cells lie below each other there, and each has the width of the table."""
+    cells = """() => [...document.querySelectorAll("td")].map(td => [
+        td.querySelector(".head")?.checkVisibility() ? td.querySelector(".head").innerText : "",
+        td.getBoundingClientRect().top, td.getBoundingClientRect().width,
+    ])"""
+    heads, tops, widths = zip(*open_page(LISTED, 390).evaluate(cells), strict=True)
+    assert heads == ("", "a", "b", "c")
+    assert list(tops) == sorted(set(tops))
+    assert min(widths) > 300
+    heads, tops, _ = zip(*open_page(LISTED, 1280).evaluate(cells), strict=True)
+    assert heads == ("", "", "", "")
+    assert len(set(tops)) == 1
+
+
+@pytest.mark.parametrize(("width", "is_cut"), [(390, True), (1280, False)])
+def test_code_reaches_into_free_space_on_the_right(open_page, width, is_cut):
+    """It is scrolled only where there is none, and the page never is."""
+    page = open_page(CODE, width)
+    assert page.evaluate("document.querySelector('pre.cut') !== null") == is_cut
+    assert page.evaluate("document.documentElement.scrollWidth") <= width

@@ -1,8 +1,15 @@
 // Helps for readers; everything is readable without them.
 
 // Long names are broken between their words, options are not.
+const BETWEEN_PARTS = /(?<=\w[_/.=(])(?=\w)/, BETWEEN_WORDS = /(?<=\w[_/.=(])(?=\w)|(?<=[a-z])(?=[A-Z][a-z])/, NOWHERE = /(?!)/;
+
+function breaksOf(text) {
+  if (text.parentElement.closest(".provenance, .data")) return NOWHERE;   // a command breaks at its spaces
+  return /\w{20}/.test(text.data) ? BETWEEN_WORDS : BETWEEN_PARTS;
+}
+
 function breakBetweenWords(text) {
-  const words = text.data.split(/(?<=\w[_/.=(])(?=\w)|(?<=[a-z])(?=[A-Z][a-z])/);
+  const words = text.data.split(breaksOf(text));
   text.replaceWith(...words.flatMap((word, i) => {
     const parts = word.split(/((?<!\S)--?\w[\w-]*)/).map((part, k) => k % 2 ? unbroken(part) : part);
     return i ? [document.createElement("wbr"), ...parts] : parts;
@@ -100,9 +107,16 @@ for (const formula of document.querySelectorAll('.chapter math:not([display="blo
 // Drawings keep a size at which their smallest letters can be read, and may be scrolled instead.
 const LETTERS = 11;   // pixels
 
+// The size of a text is that of its largest letters; its indices are smaller.
+function sizeOf(text) {
+  const parts = [text, ...text.querySelectorAll("tspan")];
+  const written = parts.filter(part => [...part.childNodes].some(child => child.nodeType === Node.TEXT_NODE && child.data.trim()));
+  return Math.max(...written.map(part => parseFloat(getComputedStyle(part).fontSize)));
+}
+
 for (const picture of document.querySelectorAll("p > svg.picture")) picture.parentElement.classList.add("drawing");
 for (const picture of document.querySelectorAll(".chapter figure > svg.picture")) {
-  const sizes = [...picture.querySelectorAll("text")].map(text => parseFloat(getComputedStyle(text).fontSize));
+  const sizes = [...picture.querySelectorAll("text")].map(sizeOf).filter(size => size > 0);
   const least = LETTERS / Math.min(...sizes) * picture.viewBox.baseVal.width;
   const column = picture.parentElement.clientWidth * parseFloat(picture.style.width) / 100;
   if (!(column < 0.99 * least)) continue;
@@ -113,11 +127,62 @@ for (const picture of document.querySelectorAll(".chapter figure > svg.picture")
   picture.style.minWidth = `${least}px`;
 }
 
-// On a narrow screen a table of text has its third column below the first two.
-for (const table of document.querySelectorAll(":is(.chapter .scroll, .table-wrapper) > table:not(.result, .names)")) {
-  const isLong = row => row.cells[2]?.textContent.length > 25;
-  if (table.rows[0].cells.length <= 4 && [...table.rows].some(isLong)) table.classList.add("stacked");
+// So do pictures of the gallery, whose letters of 10 points have 20 pixels of the file.
+const SMALL = 0.75;   // of the size at which letters have ten pixels
+
+for (const picture of document.querySelectorAll("img.sphx-glr-single-img")) {
+  const box = document.createElement("div");
+  box.className = "drawing";
+  picture.replaceWith(box);
+  box.append(picture);
+  const enlarge = () => {
+    const least = picture.naturalWidth / 2;
+    if (box.clientWidth < SMALL * least) picture.style.cssText = `width: ${least}px; max-width: none`;
+  };
+  if (picture.complete) enlarge();
+  else picture.addEventListener("load", enlarge);
 }
+
+// On a narrow screen a table of text has its third column below the first two. Where the fourth is long
+// as well, each further column has a line of its own, which begins with its head.
+for (const table of document.querySelectorAll(":is(.chapter .scroll, .table-wrapper) > table:not(.result, .names)")) {
+  const rows = [...table.rows], heads = rows[0].cells;
+  const longest = column => Math.max(...rows.map(row => row.cells[column]?.textContent.length || 0));
+  if (heads.length > 4 || Math.max(longest(2), longest(3)) <= 25) continue;
+  table.classList.add(longest(3) > 12 ? "listed" : "stacked");
+  if (longest(3) > 12) rows.slice(1).forEach(row => [...row.cells].slice(1).forEach(cell => putHead(cell, heads[cell.cellIndex])));
+}
+
+function putHead(cell, head) {
+  const name = document.createElement("span"), content = document.createElement("span");
+  name.className = "head";
+  name.append(...head.cloneNode(true).childNodes);
+  content.append(...cell.childNodes);
+  cell.append(name, content);
+}
+
+// On a wide screen code and tables that are too long reach into the free space on the right.
+function widen(boxes) {
+  const contents = document.querySelector(".toc-drawer");
+  const isBeside = contents?.offsetWidth && getComputedStyle(contents).position !== "fixed";
+  const end = isBeside ? contents.getBoundingClientRect().left : document.documentElement.clientWidth;
+  const outer = boxes.map(box => box.closest('div[class*="highlight-"]') || box.closest(".highlight") || box);
+  outer.forEach(box => box.style.removeProperty("--wide"));
+  const lacks = boxes.map(box => lack(box));
+  const places = outer.map(box => box.getBoundingClientRect());
+  outer.forEach((box, k) => {
+    const more = Math.min(lacks[k], end - MARGIN - places[k].right);
+    if (more > 0) box.style.setProperty("--wide", `${places[k].width + more}px`);
+  });
+}
+
+// A table that is too long has lines broken in its cells, too, and takes all the room.
+const lack = box => box.scrollWidth - box.clientWidth && (box.localName === "pre" ? box.scrollWidth - box.clientWidth : Infinity);
+
+const MARGIN = 24;   // pixels
+const LONG = ":is(.chapter pre, .highlight pre, .chapter .scroll, .table-wrapper):not(:is(.statement, .admonition, .preview, td) *)";
+const long = [...document.querySelectorAll(LONG)];
+if (long.length) new ResizeObserver(() => widen(long)).observe(document.documentElement);
 
 const MAY_SCROLL = '.chapter math[display="block"], .chapter .scroll, .table-wrapper, .drawing, .chapter pre, .highlight pre';
 for (const box of document.querySelectorAll(MAY_SCROLL)) {
