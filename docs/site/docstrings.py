@@ -1,7 +1,7 @@
 """Docstrings as reStructuredText: formulas in plain text keep their characters.
 
 A docstring says |x - y| and (x)_+ as one reads them; reStructuredText takes these for markup. A
-formula in a line of its own, which is indented, is typeset.
+formula in a line of its own, which is indented, is typeset, and so is one within a sentence.
 """
 
 from __future__ import annotations
@@ -10,15 +10,17 @@ import inspect
 import re
 from typing import TYPE_CHECKING
 
-from formulas import typeset
+from formulas import parts, typeset
 
 if TYPE_CHECKING:
+    from docutils.nodes import Node
     from sphinx.application import Sphinx
 
 SPAN = re.compile(r"``.*?``|`[^`]*`_?")
 MARKUP = re.compile(r"[|*\\]|_(?!\w)|(?<!\w)_(?=\w)")
 
 
+ENTRY = re.compile(r"\S.* : ")
 INDENT = 4
 SECTION = re.compile(r"-{3,}$")
 PROSE = (None, "Notes")
@@ -70,8 +72,22 @@ def escaped_line(line: str) -> str:
 
 
 def escaped_text(text: str) -> str:
-    """Escape what reStructuredText takes for a substitution, emphasis or a reference."""
-    return MARKUP.sub(r"\\\g<0>", text)
+    """Mark formulas; escape what reStructuredText takes for markup, except for ``name : type``."""
+    if ENTRY.match(text):
+        return MARKUP.sub(r"\\\g<0>", text)
+    return "".join(
+        f":formula:`{part}`" if is_formula else MARKUP.sub(r"\\\g<0>", part)
+        for part, is_formula in parts(text)
+    )
+
+
+def formula(
+    _role: str, _raw: str, text: str, _line: int, _inliner: object, *_: object
+) -> tuple[list[Node], list]:
+    """Return the formula of a sentence, typeset."""
+    from docutils import nodes  # only the site needs it, the tests of docstrings do not
+
+    return [nodes.raw("", f'<span class="term">{typeset(text)}</span>', format="html")], []
 
 
 def process(
@@ -104,6 +120,7 @@ def readable(
 
 def setup(app: Sphinx) -> dict:
     """Register with Sphinx; a lower priority comes first, and numpydoc has 500."""
+    app.add_role("formula", formula)
     app.connect("autodoc-skip-member", is_described)
     app.connect("autodoc-process-signature", readable, priority=400)
     app.connect("autodoc-process-docstring", process, priority=400)

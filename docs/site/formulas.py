@@ -1,7 +1,7 @@
-"""Displayed formulas of docstrings, typeset: subscripts, superscripts, Greek letters and signs.
+"""Formulas of docstrings, typeset: subscripts, superscripts, Greek letters and signs.
 
 A docstring writes a formula in plain text, as ``sum_j lambda_j phi(|x - p_j|)``, in a line of its
-own that is indented. A terminal shows it so; a page shows the formula.
+own that is indented, or within a sentence. A terminal shows it so; a page shows the formula.
 """
 
 import re
@@ -14,6 +14,7 @@ GREEK = {
     "eta": "η",
     "lambda": "λ",
     "mu": "μ",
+    "nu": "ν",
     "omega": "ω",
     "phi": "φ",
     "pi": "π",
@@ -27,11 +28,50 @@ SIGNS = {"sum": "∑", "prod": "∏", "int": "∫", "<=": "≤", ">=": "≥", "-
 WIDE = "\N{EM SPACE}"
 """Between two formulas of a line."""
 UPRIGHT = {"and", "atan", "cos", "det", "diag", "exp", "for", "log", "max", "min", "of", "sin"}
-UPRIGHT |= {"sqrt", "vol", "with"}
+UPRIGHT |= {"argmin", "grad", "sqrt", "vol", "with"}
 
 TOKEN = re.compile(r"[_^](?=[\w({\-])|[^\W\d_]+'*|\d+(?:\.\d+)?| \. |<=|>=| {2,}|.", flags=re.S)
 ARGUMENT = re.compile(r"-?[^\W_]+")
 CLOSING = {"(": ")", "{": "}"}
+
+NAMES = "|".join(
+    sorted({*GREEK, *UPRIGHT, "sum", "prod", "int", "dt"} - {"and", "for", "of", "with"})
+)
+LETTER = rf"(?<![^\W\d_])(?:{NAMES}|[^\W\d_])'*(?![^\W\d_])"
+WORD = (
+    rf"(?:{LETTER}|[_^][^\W_]{{1,2}}(?![^\W\d_])|\d+(?:\.\d+)?|\.(?=[|)])|[-+*/=<>|(){{}}\[\],^_])+"
+)
+FORMULA = re.compile(rf"(?<!\S){WORD}(?: +(?:\. +)?{WORD})*(?![^\s.,;:])")
+"""Words of single letters, numbers and signs; in a sentence, it is a formula if it has an index."""
+INDEX = re.compile(r"(?:(?<=[^\W\d_]|[)}\]|'])_|(?<=[\w)}\]|'])\^)(?=[\w({\-])|phi\(")
+AROUND = re.compile(r"^(?:[aI-] )?(?P<formula>.*?)(?:(?<=[\w)|]) [aI]| [-*/=])?[ ,]*$")
+"""An article or a sign beside a formula."""
+
+
+def parts(text: str) -> list[tuple[str, bool]]:
+    """Return the parts of a sentence, each with whether it is a formula.
+
+    Examples
+    --------
+    >>> parts("A value f(x_i), for x_i != n_folds.")
+    [('A value ', False), ('f(x_i)', True), (', for x_i != n_folds.', False)]
+    """
+    out, end = [], 0
+    for found in FORMULA.finditer(text):
+        inside = AROUND.match(found[0])
+        start, stop = (found.start() + at for at in inside.span("formula"))  # type: ignore[union-attr]
+        if INDEX.search(text[start:stop]) and is_balanced(text[start:stop]):
+            out += [(text[end:start], False), (text[start:stop], True)]
+            end = stop
+    return [(part, is_formula) for part, is_formula in [*out, (text[end:], False)] if part]
+
+
+def is_balanced(formula: str) -> bool:
+    """Tell whether each bracket is closed, so that no formula ends within."""
+    pairs = ("()", "{}", "[]")
+    return (
+        all(formula.count(a) == formula.count(b) for a, b in pairs) and not formula.count("|") % 2
+    )
 
 
 def typeset(formula: str) -> str:

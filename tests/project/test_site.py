@@ -43,9 +43,9 @@ def test_every_public_name_has_a_page(site):
 @pytest.mark.parametrize(
     ("docstring", "markup"),
     [
-        ("phi(|x - y|)", r"phi(\|x - y\|)"),
-        ("h = (1 - r)_+ and x_i", r"h = (1 - r)\_+ and x_i"),
-        ("N_k * N_0", r"N_k \* N_0"),
+        ("exp(|x - y|)", r"exp(\|x - y\|)"),
+        ("h = (1 - r)_+ and x_i", r"h = (1 - r)\_+ and :formula:`x_i`"),
+        ("N_k * N_0 * none", r":formula:`N_k * N_0` \* none"),
         ("`kernel.order - 1` and ``|x|``", "`kernel.order - 1` and ``|x|``"),
         (">>> abs(x) | y", ">>> abs(x) | y"),
         ("*solids : Solid", "*solids : Solid"),
@@ -77,6 +77,25 @@ def symbols(formula, spelled):
     """The letters, numbers and signs, without what lowers or raises and its brackets."""
     written = "".join(spelled.get(character, character) for character in formula)
     return re.sub(r"[\s_^(){}]", "", written)
+
+
+@pytest.mark.parametrize(
+    ("sentence", "formulas"),
+    [
+        (
+            "Sums f(x) = b(x)^T c + sum_j c_j phi(|x - p_j|).",
+            ["f(x) = b(x)^T c + sum_j c_j phi(|x - p_j|)"],
+        ),
+        ("of a p_i, and at a C^(2k), up to R^d", ["p_i", "C^(2k)", "R^d"]),
+        ("n_folds of max_samples and 10_000 values a, b or (n, d)", []),
+        ("p_i : array of f_j", []),
+        ("an open (x_i - x_j", []),
+    ],
+)
+def test_formulas_of_sentences_are_typeset(site, sentence, formulas):
+    """Names of arguments, numbers, shapes and parts of formulas are none."""
+    marked = site("docstrings").escaped_line(sentence)
+    assert re.findall(":formula:`(.*?)`", marked) == formulas
 
 
 def test_meanings_of_parameters_are_no_formulas(site):
