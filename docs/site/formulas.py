@@ -53,8 +53,8 @@ def parts(text: str) -> list[tuple[str, bool]]:
 
     Examples
     --------
-    >>> parts("A value f(x_i), for x_i != n_folds.")
-    [('A value ', False), ('f(x_i)', True), (', for x_i != n_folds.', False)]
+    >>> parts("Values f(x_i) of n_folds.")
+    [('Values ', False), ('f(x_i)', True), (' of n_folds.', False)]
     """
     out, end = [], 0
     for found in FORMULA.finditer(text):
