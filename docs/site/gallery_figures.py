@@ -21,6 +21,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.quiver import Quiver
 from matplotlib.text import Text
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from fieldrecon.plotting.figure_files import figure_bytes
 from fieldreport.build.screen_figures import dark_color, webp
@@ -73,12 +74,19 @@ def scraper(_block: Any, variables: dict[str, Any], settings: dict[str, Any]) ->
 def darken(figure: Figure) -> None:
     """Give lines, letters and areas the colours that they have on a dark page.
 
-    What lies on a map of colours keeps its own, as the map does.
+    What lies on a map of colours keeps its own, as the map does, and so do the facets of a lit
+    body: those in its shadow would become the brightest.
     """
     on_maps = {id(artist) for axes in figure.axes if _is_map(axes) for artist in _drawn(axes)}
     for artist in figure.findobj():
-        if id(artist) not in on_maps and isinstance(artist, Text | Line2D | Patch | Collection):
+        stays = id(artist) in on_maps or _is_lit(artist)
+        if isinstance(artist, Text | Line2D | Patch | Collection) and not stays:
             _darken(artist)
+
+
+def _is_lit(artist: Artist) -> bool:
+    """Whether the artist is a body whose facets have different shades of its colour."""
+    return isinstance(artist, Poly3DCollection) and len(_given(artist, "facecolor")) > 1
 
 
 def _is_map(axes: Axes) -> bool:
@@ -99,7 +107,7 @@ def _drawn(axes: Axes) -> list[Artist]:
 
 
 def _darken(artist: Artist) -> None:
-    given = {name: getattr(artist, f"get_{name}")() for name in _colors_of(artist)}
+    given = {name: _given(artist, name) for name in _colors_of(artist)}
     for name, colors in given.items():
         rgba = to_rgba_array(colors)
         if len(rgba):
@@ -107,6 +115,13 @@ def _darken(artist: Artist) -> None:
             getattr(artist, f"set_{name}")(
                 rgba if isinstance(artist, Collection) else tuple(rgba[0])
             )
+
+
+def _given(artist: Artist, name: str) -> Any:
+    """Return colours as they can be set again; in space, a collection sorts them by depth."""
+    if isinstance(artist, Collection):
+        return getattr(Collection, f"get_{name}")(artist)
+    return getattr(artist, f"get_{name}")()
 
 
 def _colors_of(artist: Artist) -> tuple[str, ...]:

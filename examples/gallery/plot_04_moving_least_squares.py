@@ -33,6 +33,7 @@ figure, (curves, scores) = plt.subplots(1, 2, figsize=(7.6, 3.6))
 curves.plot(points, values, "k.")
 for epsilon in (0.003, best, 1.0):
     curves.plot(x, method(epsilon).field(values)(x), label=f"ε = {epsilon:.2g}")
+curves.set(xlabel="x", ylabel="value")
 curves.legend()
 scores.loglog(epsilons, errors)
 scores.plot(best, min(errors), "o")

@@ -34,10 +34,11 @@ figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.2), sharey=True)
 fields = {
     "exact": exact,
     "interpolated": method(0.0).field(values)(grid),
-    f"smoothing {best:.0e}": method(best).field(values)(grid),
+    f"smoothing {best:.2g}": method(best).field(values)(grid),
 }
 for each, (title, field) in zip(axes, fields.items(), strict=True):
-    each.contourf(x, x, field, levels=np.linspace(-0.2, 1.4, 17), extend="both")
-    each.set_aspect("equal")
-    each.set_title(title)
+    filled = each.contourf(x, x, field, levels=np.linspace(-0.2, 1.4, 17), extend="both")
+    each.set(xlabel="x", xticks=[0, 0.5, 1], aspect="equal", title=title)
     print(f"{title}: root mean square error {np.sqrt(np.mean((field - exact) ** 2)):.3f}")
+axes[0].set_ylabel("y")
+figure.colorbar(filled, ax=axes, label="field", shrink=0.8)

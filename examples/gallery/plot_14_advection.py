@@ -31,5 +31,9 @@ print(
 
 figure, axes = plt.subplots(1, 3, figsize=(8.4, 3.2), sharey=True)
 for each, time in zip(axes, times[[0, 5, 20]], strict=True):
-    each.tricontourf(*points.T, shown[time], levels=np.linspace(-0.05, 1.05, 12), extend="both")
-    each.set(aspect="equal", title=f"t = {time:.2f}")
+    filled = each.tricontourf(
+        *points.T, shown[time], levels=np.linspace(-0.05, 1.05, 12), extend="both"
+    )
+    each.set(xlabel="x", aspect="equal", title=f"t = {time:.2f}")
+axes[0].set_ylabel("y")
+figure.colorbar(filled, ax=axes, label="field", shrink=0.8)

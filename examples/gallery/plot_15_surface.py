@@ -22,7 +22,7 @@ audit = fr.audit_mesh(surface.points, surface.triangles)
 print(f"{len(surface.triangles)} triangles, boundary loops: {len(audit.boundary_loops)}")
 
 figure, axes = plt.subplots(1, 2, figsize=(8, 3.6), subplot_kw={"projection": "3d"})
-axes[0].scatter(*points.T, s=1)
+axes[0].scatter(*points.T, s=2, color="#3c8dce", depthshade=False)
 axes[1].plot_trisurf(
     *surface.points.T, triangles=surface.triangles, color="lightsteelblue", edgecolor="none"
 )

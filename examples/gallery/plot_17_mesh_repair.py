@@ -19,11 +19,12 @@ for name, audit in (("before", repair.before), ("after", repair.after)):
         f"{len(audit.flipped_triangles)} flipped triangles, "
         f"{len(audit.duplicate_triangles)} duplicate triangles"
     )
-print(repair.done)
+for what, count in repair.done.items():
+    print(f"{what.replace('_', ' ')}: {count}")
 
 figure, axes = plt.subplots(1, 2, figsize=(7, 3.4), subplot_kw={"projection": "3d"})
 pairs = ((points, triangles, "damaged"), (repair.points, repair.triangles, "repaired"))
 for each, (p, t, title) in zip(axes, pairs, strict=True):
-    each.plot_trisurf(*p.T, triangles=t, alpha=0.6, edgecolor="0.3")
+    each.plot_trisurf(*p.T, triangles=t, color="lightsteelblue", alpha=0.8, edgecolor="0.3")
     each.set_title(title)
     each.set_axis_off()

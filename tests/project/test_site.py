@@ -297,3 +297,23 @@ def test_figures_of_the_gallery_have_the_colours_of_a_dark_page(site):
     assert min(min(to_rgb(color)) for color in light) > 0.8
     assert max(to_rgb(on_map.get_markerfacecolor())) == 0
     assert max(to_rgb(plain.get_facecolor())) < 0.1
+
+
+def test_bodies_of_the_gallery_keep_their_shades_and_points_their_order_on_a_dark_page(site):
+    """Once drawn, collections in space return their colours sorted by depth."""
+    from matplotlib.collections import Collection
+    from matplotlib.figure import Figure
+
+    page = Figure()
+    space = page.add_subplot(projection="3d")
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    faces = [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]
+    body = space.plot_trisurf(*corners.T, triangles=faces, color="steelblue")
+    points = space.scatter(*corners.T, c=["#000000", "#ffffff", "#000000", "#ffffff"], alpha=1)
+    page.draw_without_rendering()
+    shades = body.get_facecolor()
+    site("gallery_figures").darken(page)
+    page.draw_without_rendering()
+    assert np.array_equal(body.get_facecolor(), shades)
+    given = Collection.get_facecolor(points)[:, 0]
+    assert list(given > 0.5) == [True, False, True, False]
