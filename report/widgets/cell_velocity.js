@@ -12,7 +12,7 @@ widget("cell_velocity", living => {
     options: [["strain", "strain"], ["rotation", "rotation"], ["expansion", "expansion"]] });
   living.slider("axis", { label: "axis of the strain", least: 0, most: 179, at: 20,
     text: x => `${x}°` });
-  living.output("distance of the point from the nine-point circle", n => measured(n.offCircle), "warn");
+  living.output("distance of the point from the nine-point circle", n => measured(n.offCircle));
   living.output("error of the velocity at the circumcentre", n => measured(n.errorAtCenter));
   living.output("at the centroid", n => measured(n.errorAtCentroid));
   living.output("circumradius", n => digits(n.radius));

@@ -21,9 +21,10 @@ widget("elastic_wing", living => {
   living.output("equilibrium, deflection of the tip", n => there(n, `${fixed(n.tip, 2)} m`), "mls");
   living.output("lift coefficient (rigid)",
     n => there(n, `${fixed(n.lift, 3)} (${fixed(n.rigidLift, 3)})`));
-  living.output("factor q λ of a step without relaxation", n => fixed(n.factor, 3));
+  living.output(["factor ", element("i", {}, "q λ"), " of a step without relaxation"],
+    n => fixed(n.factor, 3));
   living.output("the iteration", n => n.observed < 1 ? `converges, factor ${fixed(n.observed, 3)}`
-    : `diverges, factor ${fixed(n.observed, 3)}`, "warn");
+    : `diverges, factor ${fixed(n.observed, 3)}`, n => n.observed < 1 ? "" : "warn");
 
   return ({ ratio, sweep, relaxation }) => {
     const { feedback, rigid, rise, lift, eigenvalue, divergence } = sweeps[sweep], q = ratio * pressure;

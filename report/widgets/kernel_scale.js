@@ -30,7 +30,7 @@ widget("kernel_scale", living => {
   living.output("error", n => certain(n) ? digits(n.error) : order(n.error), "rbf");
   living.output("condition number",
     n => n.condition < 1e6 ? digits(n.condition) : n.condition < 1e16 ? order(n.condition)
-    : "over 10¹⁶", "warn");
+    : "over 10¹⁶", n => certain(n) ? "" : "warn");
   living.output("correct digits of the coefficients, about",
     n => String(Math.max(0, Math.floor(16 - Math.log10(n.condition)))));
   living.output("system", n => certain(n) ? "solved" : "too ill-conditioned: all digits are rounding");
@@ -65,8 +65,9 @@ widget("kernel_scale", living => {
       { xLabel: "scale", yText: y => y === 1 ? "1" : power(Math.log10(y)),
       yLabel: "condition number" }),
       conditions.line([scales[0], CERTAIN], [scales.at(-1), CERTAIN], "thin dashed"),
-      pieces(conditions, curves[kernel].condition, "warn"),
-        conditions.dot([at, inside(conditions, condition)], 5, "warn fill"));
+      pieces(conditions, curves[kernel].condition, ""),
+        conditions.dot([at, inside(conditions, condition)], 5,
+          certain({ condition }) ? "solid" : "warn fill"));
     return { error, condition };
   };
 

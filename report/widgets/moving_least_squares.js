@@ -21,7 +21,8 @@ widget("moving_least_squares", living => {
   living.choice("degree", { label: "polynomials", options: [[0, "constant"], [1, "linear"]], at: 1 });
   living.choice("data", { label: "data", options: [["exact", "exact"], ["noisy", "with noise"]],
     at: "exact" });
-  living.output("local extrema", n => `${n.extrema} (the field has ${extrema})`, "warn");
+  living.output("local extrema", n => `${n.extrema} (the field has ${extrema})`,
+    n => n.extrema > extrema ? "warn" : "");
   living.output("error of the field", n => digits(n.error), "mls");
   living.output("leave-one-out error", n => digits(n.leaveOneOut));
   living.output("ψ, mean", n => digits(n.psi));

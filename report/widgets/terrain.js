@@ -33,7 +33,7 @@ widget("terrain", living => {
       ["thinPlate", "thin plate"]] });
   living.output("height, reconstructed", n => `${fixed(n.value, 1)} m`, "mls");
   living.output("height of the land", n => `${fixed(n.truth, 0)} m`);
-  living.output("error", n => `${fixed(n.value - n.truth, 1)} m`, "warn");
+  living.output("error", n => `${fixed(n.value - n.truth, 1)} m`);
   living.output("points that count",
     n => n.weights.length ? String(n.weights.length) : `all ${points.length}`);
   living.output("sum of |weights|", n => n.weights.length ? digits(n.amplification) : "–");

@@ -5,8 +5,8 @@ widget("voronoi_coordinates", living => {
   living.state.query = [0, 0];
   const star = new Panel(living, { x: [-1.5, 1.5], y: [-1.4, 1.4], width: 360, height: 336,
     label: "A vertex with six triangles, its Voronoi cell, and a query" });
-  const bars = new Panel(living, { x: [-0.1, 1], y: [6.2, -0.6], width: 340, height: 300,
-    margin: [46, 46, 6, 22],
+  const bars = new Panel(living, { x: [-0.1, 1], y: [6.2, -0.6], width: 340, height: 316,
+    margin: [46, 46, 22, 22],
     label: "Weights of the six circumcentres" });
   for (let k = 0; k < n; k++)
     star.handle("corners", { index: k, label: `Vertex ${k + 1}`, radius: 6, step: 0.05,
@@ -54,8 +54,8 @@ widget("voronoi_coordinates", living => {
       bars.text([1, a], fixed(w, 3), "mls", [4, 2]),
       bars.text([1, a], Number.isFinite(found.quotient[a]) ? fixed(found.quotient[a], 3) : "none", "ls",
         [4, 16])]),
-      bars.text([0.45, -0.6], "product", "mls", [0, 10]),
-        bars.text([0.45, -0.6], "quotient", "ls", [60, 10]));
+      bars.text([0, -0.6], "product", "mls", [0, -6]),
+        bars.text([0, -0.6], "quotient", "ls", [60, -6]));
     return found;
   };
 

@@ -52,7 +52,9 @@ def test_a_forward_swept_wing_diverges(living):
     """It has no equilibrium beyond its pressure of divergence; a backward-swept wing has one."""
     living.press(living.controls("input[data-value='-20']")[0], "Space")
     slider = living.controls("input[type=range]")[0]
+    assert not living.controls(".results .warn")
     living.press(slider, "End")
+    assert len(living.controls(".results .warn")) == 1
     assert living.numbers["exists"] == 0
     assert living.numbers["observed"] > 1
     living.press(living.controls("input[data-value='30']")[0], "Space")

@@ -31,10 +31,12 @@ def test_a_larger_scale_reduces_the_error_until_the_system_is_lost(living):
     """For the Gaussian: a smaller error at a hundred times the condition number, then no digit."""
     living.reset()
     before = living.numbers
+    assert not living.controls(".results .warn")
     slider = living.controls("input[type=range]")[0]
     living.press(slider, *["ArrowRight"] * 7)
     assert living.numbers["error"] < before["error"] / 3
     assert living.numbers["condition"] > 100 * before["condition"]
     living.press(slider, "End")
     assert living.numbers["condition"] > 1e13
+    assert len(living.controls(".results .warn")) == 1
     assert living.controls(".results dd")[3].inner_text().startswith("too ill-conditioned")

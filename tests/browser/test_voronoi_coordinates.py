@@ -10,6 +10,7 @@ from fieldreport.experiments.barycentric.hexagon_spiral import Star, quotients
 from living_page import Rounded
 
 NAME = "voronoi_coordinates"
+NAMES = ("product", "quotient")
 
 
 def star_of(state):
@@ -49,3 +50,15 @@ def test_the_query_stays_in_the_cell(living):
     living.reset()
     living.press(living.controls(".handle.query")[0], *["ArrowRight"] * 60)
     assert min(living.numbers["product"]) > 0
+
+
+def test_no_bar_covers_the_names_of_the_bars(living):
+    """The first bar is above the others, and longest at the first circumcentre."""
+    living.reset()
+    query = living.controls(".handle.query")[0]
+    living.press(query, *["ArrowRight"] * 60, *["ArrowUp"] * 10)
+    names = [text for text in living.controls(".panels text") if text.text_content() in NAMES]
+    bottom = max(box["y"] + box["height"] for box in (name.bounding_box() for name in names))
+    bars = living.controls(".panels svg:last-of-type polygon.fill")
+    assert len(names) == len(NAMES)
+    assert bottom <= min(bar.bounding_box()["y"] for bar in bars if bar.bounding_box())

@@ -84,7 +84,7 @@ class Panel {
   }
 
   // Axes of a chart, with ticks at the given values.
-  axes(xTicks, yTicks, { xLabel = "", yLabel = "", xText = String, yText = String } = {}) {
+  axes(xTicks, yTicks, { xLabel = "", yLabel = "", xText = number, yText = number } = {}) {
     const [left, right, top, bottom] = this.margin, [low, high] = [this.height - bottom, top];
     const marks = [`<path class="axis" d="M${left},${high}V${low}H${this.width - right}"/>`];
     for (const x of xTicks)

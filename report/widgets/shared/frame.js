@@ -78,9 +78,10 @@ class Living {
     this.frame = 0;
     this.numbers = this.update(this.state, this.data);
     for (const show of this.shown) show();
-    for (const [output, text] of this.outputs) {
+    for (const [output, text, kind] of this.outputs) {
       const now = text(this.numbers, this.state);
       if (output.textContent !== now) output.textContent = now;
+      if (typeof kind === "function") output.parentElement.className = kind(this.numbers);
     }
   }
 
@@ -146,10 +147,13 @@ class Living {
     this.bar.append(button);
   }
 
+  // `label` is a text, or a list of texts and elements; `kind` a class, or a function of the numbers
+  // that returns one, so that only a bad number has the colour of a warning.
   output(label, text, kind = "") {
     const output = element("dd", { "aria-live": "polite" });
-    this.outputs.push([output, text]);
-    this.results.append(element("div", { class: kind }, element("dt", {}, label), output));
+    this.outputs.push([output, text, kind]);
+    this.results.append(element("div", { class: typeof kind === "function" ? "" : kind },
+      element("dt", {}, ...[label].flat()), output));
   }
 }
 
@@ -167,6 +171,8 @@ function digits(x, count = 3) {
   const text = plain ? x.toPrecision(count) : `${mantissa} × ${power(Number(exponent))}`;
   return text.replace("-", "−");
 }
+
+function number(x) { return String(x).replace("-", "−"); }
 
 function fixed(x, decimals = 3) { return x.toFixed(decimals).replace(/^-(?=0\.?0*$)/, "").replace("-",
   "−"); }
