@@ -3,12 +3,15 @@
 import base64
 import io
 import re
+from itertools import combinations
 
 import numpy as np
 import pytest
+from matplotlib import colormaps
+from matplotlib.colors import LinearSegmentedColormap, to_hex
 from PIL import Image
 
-from fieldrecon.plotting.style import BLACK_ON_MAP, WHITE_ON_MAP
+from fieldrecon.plotting.style import BLACK_ON_MAP, DIVERGING, SEQUENTIAL, WHITE_ON_MAP, shades
 from fieldreport.build.chapter_pages import (
     chapters_of,
     page_names,
@@ -25,6 +28,7 @@ from fieldreport.build.screen_figures import (
     themed,
     webp,
 )
+from fieldreport.build.screen_files import FAINTEST, bright_part
 
 PAGE = """<body><main id="text"><div class="abstract"><p>In short.</p></div>
 <section id="sec:one" class="level2"><h2>One</h2>
@@ -210,6 +214,27 @@ def luminance(color: str) -> float:
 def test_lines_have_contrast_on_a_dark_page(color):
     """WCAG 2 asks for a contrast of 3 : 1 of graphical objects."""
     assert (luminance(dark_color(color)) + 0.05) / (luminance("#131313") + 0.05) > 3
+
+
+@pytest.mark.parametrize("method", ["LS", "MLS", "PU", "RBF"])
+def test_shades_of_a_method_stay_distinct_on_a_dark_page(method):
+    """The darker one was once as light as the others, so that they could not be told apart."""
+    drawn = [dark_color(look["color"]) for look in shades(method, 6)]
+    channels = [np.array([int(color[k : k + 2], 16) for k in (1, 3, 5)]) for color in drawn]
+    differences = [abs(a - b).max() for a, b in combinations(channels, 2)]
+    assert min(differences) >= 8
+    assert min((luminance(color) + 0.05) / (luminance("#131313") + 0.05) for color in drawn) > 3
+
+
+def test_markers_of_a_cloud_are_visible_on_a_dark_page():
+    """The dark end of the map is left out, and no marker is faint."""
+    for name in (SEQUENTIAL, DIVERGING):
+        shown = bright_part(colormaps[name])(np.linspace(0, 1, 20))
+        assert min(luminance(to_hex(color)) + 0.05 for color in shown) > 2.9 * (
+            luminance("#131313") + 0.05
+        )
+    faint = LinearSegmentedColormap.from_list("faint", [(0.2, 0.5, 0.9, 1), (0.2, 0.5, 0.9, 0.1)])
+    assert bright_part(faint)(1.0)[3] == FAINTEST
 
 
 def test_black_and_white_on_a_map_stay_on_a_dark_page():

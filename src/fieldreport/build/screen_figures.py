@@ -2,7 +2,7 @@
 
 The printed figures have more decimals than a screen shows, an element for each line, and exact
 rasters. On a page black and white are the colours of its text and of its ground, and on a dark page
-dark colours of lines become lighter. Rasters keep their colours.
+dark colours of lines become light. Rasters keep their colours.
 """
 
 from __future__ import annotations
@@ -19,10 +19,14 @@ from typing import Any, Final
 PAPER: Final = 0x13
 """The brightness of the dark page, which takes the place of white."""
 INK: Final = 0xE4
-NEUTRAL: Final = 10
+NEUTRAL: Final = 15
 """Channels that differ by no more make a grey."""
 DARKEST: Final = 0.62
 """The least lightness of a line on a dark page."""
+LIGHTEST: Final = 0.95
+"""The largest: the darkest lines on a light page are the lightest on a dark one."""
+SATURATION: Final = (0.6, 0.75)
+"""Bounds, which keep the shades of one colour apart from those that stay."""
 QUALITY: Final = 55
 """Quality of WebP: differences are not visible at twice the size."""
 
@@ -198,8 +202,10 @@ def dark_color(color: str) -> str:
     if 0.2126 * red + 0.7152 * green + 0.0722 * blue > 100:
         return color
     hue, lightness, saturation = colorsys.rgb_to_hls(red / 255, green / 255, blue / 255)
-    lighter = colorsys.hls_to_rgb(hue, max(lightness, DARKEST), min(saturation, 0.75))
-    return "#" + "".join(f"{round(255 * channel):02x}" for channel in lighter)
+    mirrored = min(max(1.05 - lightness, DARKEST), LIGHTEST)
+    least, most = SATURATION
+    channels = colorsys.hls_to_rgb(hue, mirrored, min(max(saturation, least), most))
+    return "#" + "".join(f"{round(255 * channel):02x}" for channel in channels)
 
 
 def webp(png: bytes) -> bytes:
