@@ -53,5 +53,6 @@ def _lines(chart: Mapping[str, Any], on: Axes) -> None:
         on.loglog(x, y, **look, label=name)
         every += x
     if max(every) < 10 * min(every):
+        on.xaxis.set_major_formatter("{x:g}")
         on.xaxis.set_minor_formatter("{x:g}")
     on.set(title=chart["title"], xlabel=chart["x_label"], ylabel=chart["y_label"])

@@ -229,6 +229,8 @@ def _draw_edges(panel: Axes, picture: MeshPicture, edges: np.ndarray, color: str
 
 def _draw_vertices(panel: Axes, picture: MeshPicture, vertices: np.ndarray, concern: str) -> None:
     marked = picture.points[vertices]
+    shown = ((marked[:, :2] >= 0) & (marked[:, :2] <= picture.shape[::-1])).all(axis=1)
+    marked = marked[shown]
     hidden = picture.hidden(marked)
     color = COLORS[concern]
     for behind, fill, opacity in ((True, "none", 0.5), (False, color, 1.0)):
@@ -242,6 +244,8 @@ def _draw_vertices(panel: Axes, picture: MeshPicture, vertices: np.ndarray, conc
             alpha=opacity,
             markersize=4.5,
             markeredgewidth=0.8,
+            clip_on=False,  # a mark at the edge of the picture is whole
+            in_layout=False,
         )
 
 

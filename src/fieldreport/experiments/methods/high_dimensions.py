@@ -476,7 +476,7 @@ def plot_distances(result: Result) -> Figure:
         looks = shades("truth", len(variables), marker="")
         for d, density, look in zip(variables, distances, looks, strict=True):
             panels[0].plot(middles, density, **look, label=str(d))
-        panels[0].set(title="distances of two sites", xlabel="distance / mean")
+        panels[0].set(title="distances of two sites", xlabel="distance / mean", ylabel="density")
         panels[0].set(xlim=(0, 2.2), ylim=(0, None))
         panels[0].set_yticks([])
         panels[0].legend(title="variables")
