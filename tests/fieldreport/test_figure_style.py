@@ -184,6 +184,19 @@ def test_words_in_figures_are_set_in_the_fonts_of_the_report(face, look):
     assert found == str(font_file(SERIF_FACES[face]))
 
 
+@pytest.mark.parametrize("cells", [(1.0, 1.0), (2.0, 0.5)])
+def test_hillshade_is_the_cosine_between_normal_and_light(cells):
+    """Stretched to [0, 1]; a factor on the heights is that of heights in another unit."""
+    y, x = np.mgrid[0:9.0, 0:12.0]
+    heights = np.sin(x / 2) + 0.1 * y * x
+    up, east = np.gradient(heights, *cells[::-1])
+    normal = np.stack([-east, -up, np.ones_like(x)]) / np.sqrt(1 + east**2 + up**2)
+    light = np.tensordot([-0.5, 0.5, np.sqrt(0.5)], normal, axes=1)
+    expected = (light - light.min()) / np.ptp(light)
+    np.testing.assert_allclose(hillshade(heights, *cells), expected, atol=1e-12)
+    np.testing.assert_allclose(hillshade(heights / 3, *cells, 3.0), expected, atol=1e-12)
+
+
 def test_a_font_that_typst_lacks_is_refused():
     """The message names the font and lists the available fonts."""
     with pytest.raises(LookupError, match=r"the font Comic is not in the Typst wheel .*NewCMMath"):

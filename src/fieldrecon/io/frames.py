@@ -171,12 +171,10 @@ def _columns_of_values(array: Any, name: str) -> tuple[dict[str, Any], str | lis
 def _require_one_index(arrays: Mapping[str, Any]) -> None:
     """Refuse columns of data frames whose rows have other labels, or the same in another order."""
     indices = {role: getattr(array, "index", None) for role, array in arrays.items()}
-    (first, labels), *others = [
-        *((role, index) for role, index in indices.items() if hasattr(index, "equals")),
-        ("", None),
-    ]
-    for role, index in others[:-1]:
-        if not labels.equals(index):
+    labelled = [(role, index) for role, index in indices.items() if hasattr(index, "equals")]
+    for role, index in labelled[1:]:
+        first, labels = labelled[0]
+        if not labels.equals(index):  # type: ignore[union-attr]
             raise ValueError(
                 f"{first} and {role} have different indices, so their rows do not belong together "
                 "in this order; align them, or give arrays without an index"

@@ -96,7 +96,7 @@ def _brighten_markers(drawn: Any) -> None:
                 bright = bright_part(markers.get_cmap())
                 with markers.callbacks.blocked():  # a colour bar that follows loses its ticks
                     markers.set_cmap(bright)
-                if markers.colorbar:
+                if markers.colorbar and markers.colorbar.solids:
                     markers.colorbar.solids.set_cmap(bright)
 
 

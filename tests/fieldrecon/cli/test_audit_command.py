@@ -39,7 +39,9 @@ def test_a_clean_mesh_has_status_0(folder, capsys):
     assert "Nothing is wrong" in shown
     files = [f"audit/audit.{kind}" for kind in ("html", "json", "png", "svg")]
     assert shown.splitlines()[-4:] == files
-    assert "Nothing is wrong" in (folder / "audit" / "audit.html").read_text()
+    page = (folder / "audit" / "audit.html").read_text()
+    assert "Nothing is wrong" in page
+    assert "<h2>Errors" not in page
     written = json.loads((folder / "audit" / "audit.json").read_text())
     assert written == audit_mesh(*read_triangles("ball.stl")).as_dict()
 
@@ -55,12 +57,14 @@ def test_a_clean_mesh_has_status_0(folder, capsys):
     ],
 )
 def test_an_error_has_status_1_and_is_named(folder, capsys, error):
-    """The table and the JSON name each kind of error that was planted in the mesh."""
+    """The table, the page and the JSON name each kind of error that was planted in the mesh."""
     write_triangles("mesh.ply", *PLANTED[error].surface)
     assert main(["audit", "mesh.ply", "--out", "found"]) == 1
     shown = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    errors = (folder / "found" / "audit.html").read_text().split("<h2>Errors</h2>")[1]
     for kind in PLANTED[error].found:
         assert kind.replace("_", " ").split()[0] in shown
+        assert kind.replace("_", " ").split()[0] in errors
     written = json.loads((folder / "found" / "audit.json").read_text())
     assert {*written["indices"]} == {*PLANTED[error].found}
 

@@ -51,6 +51,24 @@ def test_a_table_is_wrapped_to_the_terminal(monkeypatch, width):
     assert [line[column:] for line in lines[-3:-1]] == ["0.1235", "1,2"]
 
 
+@pytest.mark.parametrize("transposed", [False, True])
+@pytest.mark.parametrize("number", [39, 40, 41, 43])
+def test_a_long_table_ends_after_forty_rows_with_the_number_of_the_others(
+    capsys, number, transposed
+):
+    """They are rows as printed: those of a transposed table are its columns."""
+    first, *rows = every = [[str(k), f"name_{k}"] for k in range(1 + number)]
+    columns = [row[0] for row in every]
+    given = (columns, [[row[1] for row in every]]) if transposed else (first, rows)
+    for whole, limit in ((False, 40), (True, number)):
+        print_table(*given, whole=whole)
+        *shown, end = capsys.readouterr().out.splitlines()
+        assert end == ""
+        if number > limit:
+            assert shown.pop() == f"… and {number - limit} rows more, in the file"
+        assert [line.split() for line in (shown[0], *shown[2:])] == every[: 1 + limit]
+
+
 @pytest.mark.parametrize("width", [30, 60])
 def test_a_paragraph_is_wrapped_to_the_terminal(monkeypatch, width):
     """No line is longer than the terminal, and no word is lost."""

@@ -847,6 +847,27 @@ def test_delaunay_keeps_close_points(monkeypatch):
         every_point_is_a_vertex_of_an_exact_delaunay_mesh(cloud)
 
 
+@pytest.mark.parametrize("d", [2, 3])
+def test_the_neighbour_of_an_exact_cell_shares_all_corners_but_one(d):
+    """The k-th without the k-th corner; at the hull there is none. Cells are those of Qhull."""
+    cloud = random_points(d)[:30]
+    cells, neighbors = exact_delaunay_cells(cloud)
+    assert {*map(frozenset, cells.tolist())} == {
+        *map(frozenset, Delaunay(cloud).simplices.tolist())
+    }
+    at_side = {}
+    for c, cell in enumerate(cells.tolist()):
+        for k in range(d + 1):
+            at_side.setdefault(frozenset(cell[:k] + cell[k + 1 :]), []).append((c, k))
+    for sides in at_side.values():
+        (c, k), (other, j) = sides if len(sides) == 2 else (*sides, (-1, None))
+        assert neighbors[c, k] == other
+        assert other < 0 or neighbors[other, j] == c
+    assert {side for side, cs in at_side.items() if len(cs) == 1} == {
+        *map(frozenset, ConvexHull(cloud).simplices.tolist())
+    }
+
+
 def exact_volume(points: np.ndarray, cells: np.ndarray) -> Fraction:
     exact = rational(points)
     arms = ([minus(exact[v], exact[cell[0]]) for v in cell[1:]] for cell in cells)

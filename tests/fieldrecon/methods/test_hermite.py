@@ -339,6 +339,21 @@ def test_fields_do_not_depend_on_unit_and_origin(unit, offset):
     assert_close(b.gradient(queries * unit + offset) * unit, a.gradient(queries), 1e-6)
 
 
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+def test_weights_and_the_adjoint_are_those_of_the_field_in_any_unit(unit):
+    """Data of derivatives and Laplacians have other units than values."""
+    asked = mixed(SITES * unit)
+    method = HermiteRBF(asked, polyharmonic(5))
+    data = np.sin(np.arange(len(asked.points)) + 1.0)
+    data *= np.where(asked.value != 0, 1, np.where(asked.laplacian != 0, unit**-2, 1 / unit))
+    x, loads = QUERIES * unit, np.cos(np.arange(30.0)).reshape(15, 2)
+    s, weights = method.field(data), method.weights(x)
+    assert_close(weights @ data, s(x), 1e-7)
+    for axis, slopes in enumerate(method.gradient_weights(x)):
+        assert_close(slopes @ data, s.gradient(x)[:, axis], 1e-6)
+    assert_close(method.adjoint(x, loads) * data[:, None], weights.T @ loads * data[:, None], 1e-7)
+
+
 # --- surfaces and equations -----------------------------------------------------------------------
 
 

@@ -1,5 +1,6 @@
 """Moving least squares: the formulas of the slides, 500 digits, neighbourhoods and orders."""
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,11 @@ from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._numerics import weighted_least_squares
 from fieldrecon._numerics.neighbor_search import group_rows
 from fieldrecon.datasets.synthetic import halton
-from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
+from fieldrecon.kernels.conditionally_positive_definite import (
+    multiquadric,
+    polyharmonic,
+    thin_plate_spline,
+)
 from fieldrecon.kernels.positive_definite import gaussian, matern, wendland
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
@@ -557,10 +562,21 @@ def test_weights_of_other_types_are_refused(bad):
         MovingLeastSquares(POINTS, bad)
 
 
-def test_growing_kernels_are_refused_as_weights():
+class Unordered(polyharmonic):
+    """A power of r that does not state its order."""
+
+    order = 0
+
+
+@pytest.mark.parametrize(
+    "growing", [thin_plate_spline(), polyharmonic(1), multiquadric(0.3), Unordered(1)], ids=repr
+)
+def test_growing_kernels_are_refused_as_weights(growing):
     """The farthest site would have the largest weight."""
-    with refused(r"weight must be positive and fall with the distance; thin_plate_spline\(\)"):
-        MovingLeastSquares(POINTS, thin_plate_spline())
+    with refused(
+        rf"weight must be positive and fall with the distance; {re.escape(repr(growing))}"
+    ):
+        MovingLeastSquares(POINTS, growing)
 
 
 @pytest.mark.parametrize("bad", [0, -1, 30, 31, 2.0, True, "5"])

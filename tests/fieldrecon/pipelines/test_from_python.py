@@ -344,6 +344,39 @@ def test_queries_have_any_shape():
         survey.predict([[1.0, 2.0, 3.0]])
 
 
+@pytest.mark.parametrize("d", [2, 3])
+def test_without_targets_a_grid_covers_the_samples(d):
+    """In the plane and in space, with as many nodes along each side."""
+    points = fr.datasets.uniform(40, d, seed=1)
+    survey = reconstruct(points, value=points.sum(axis=1), method="ls1")
+    axes = survey.result.targets.axes
+    assert len(axes) == d
+    assert len({*map(len, axes)}) == 1
+    assert 10_000 < len(survey.result.values) < 200_000
+    for axis, x in zip(axes, points.T, strict=True):
+        assert (axis[0], axis[-1]) == pytest.approx((x.min(), x.max()))
+
+
+@pytest.mark.parametrize(
+    ("method", "fitting"), [("ls1", ["fitting"]), ("pu", ["making patches", "fitting"])]
+)
+def test_each_stage_of_the_work_is_named_in_its_order(method, fitting):
+    """No progress exceeds the total, and that of the evaluation ends with it."""
+    seen = {}
+
+    def stages(name):
+        reports = seen.setdefault(name, [])
+        return lambda done, total: reports.append((done, total))
+
+    plane(FRAME, method=method, stages=stages)
+    before = ["reading", "choosing the folds", "choosing a method"]
+    after = ["evaluating", "leaving out each sample", "estimating the error"]
+    assert [*seen] == [*before, *fitting, *after, "marking extrapolated targets"]
+    assert all(0 <= done <= total for reports in seen.values() for done, total in reports)
+    done, total = seen["evaluating"][-1]
+    assert done == total
+
+
 def test_a_data_frame_gives_a_data_frame_with_its_index():
     """It can be joined to its queries; without a coordinate there is no row."""
     survey = plane(FRAME)

@@ -85,6 +85,9 @@ def test_repeated_points_are_merged_to_their_mean_value(table):
     equal = read_samples(table("x,y,z\n5,5,0.1\n5,5,0.1\n5,5,0.1\n0,0,2\n"))
     assert equal.values.tolist() == [0.1, 2]
     assert equal.warnings[0].endswith("which are the same.")
+    assert (equal.merged, equal.conflicts, equal.spread) == (2, 0, 0)
+    distinct = read_samples(table("x,y,z\n5,5,1\n0,0,2\n"))
+    assert (distinct.merged, distinct.conflicts, distinct.spread) == (0, 0, 0)
 
 
 def test_equivalent_longitudes_are_the_same_point(table):

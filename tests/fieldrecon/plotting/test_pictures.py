@@ -278,3 +278,32 @@ def test_a_map_has_a_scale_bar_and_no_ticks(limits, length, label):
         assert (axes.get_title("left"), axes.get_aspect()) == ("heights", 1.0)
         assert len(axes.get_xticks()) == len(axes.get_yticks()) == 0
         assert all(spine.get_visible() for spine in axes.spines.values())
+
+
+def test_held_out_values_are_drawn_above_their_predictions():
+    """With the line where both are equal, over all values, thinner than a curve."""
+    values, residuals = np.random.default_rng(1).standard_normal((2, 9))
+    some = np.ones(9)
+    (axes,) = plot_held_out(Validation(None, some, some, some, values, residuals), "f").axes
+    points, equal = axes.lines
+    assert np.array_equal(points.get_xydata(), np.stack([values - residuals, values], axis=1))
+    assert (points.get_linestyle(), points.get_marker()) == ("None", ".")
+    assert np.array_equal(equal.get_xydata(), [[min(values)] * 2, [max(values)] * 2])
+    with figure(3.0) as (_, other):
+        (curve,) = other.plot([0, 1])
+    assert equal.get_linewidth() < curve.get_linewidth()
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("f, predicted", "f, held out")
+
+
+def test_axes_and_their_labels_are_inside_the_page_and_apart():
+    """However long the labels are; a figure is laid out once, whatever is saved or drawn later."""
+    with figure(4.0, columns=2) as (page, both):
+        for axes in both:
+            axes.set(xlabel="two\nlines", ylabel="three\nlines\nhere", title="a title")
+            axes.set_ylim(0, 1e5)
+    assert page.get_layout_engine() is None
+    left, right = (axes.get_tightbbox() for axes in both)
+    for box in (left, right):
+        assert (box.min >= page.bbox.min).all()
+        assert (box.max <= page.bbox.max).all()
+    assert left.x1 < right.x0

@@ -79,6 +79,18 @@ def test_the_selected_method_fits_the_kind_of_data_for_many_samples(monkeypatch)
     assert winner(points, franke(points) + 0.1 * noise).name in {"pusmooth", "pu1", "pu2"}
 
 
+@pytest.mark.parametrize(
+    ("n", "folds", "in_windows"),
+    [(400, 60, False), (401, 5, False), (20_000, 5, False), (20_001, 10, True)],
+)
+def test_few_samples_have_more_folds_and_many_are_used_in_windows(n, folds, in_windows):
+    """The numbers of the guide for engineers."""
+    points = uniform(n, 2, seed=0)
+    validator = CrossValidator.of(points, points[:, 0])
+    assert len(validator.folds) == folds
+    assert (len(validator.sites) < n) == in_windows
+
+
 def test_residuals_are_those_of_fits_without_the_excluded_samples():
     """The fitted samples of each fold predict its held-out ones."""
     points = uniform(700, 2, seed=0)
