@@ -344,6 +344,29 @@ def test_queries_have_any_shape():
         survey.predict([[1.0, 2.0, 3.0]])
 
 
+@pytest.mark.parametrize(("d", "parts"), [(4, ()), (1, ()), (2, (2, 2))])
+def test_a_saved_field_of_other_variables_or_values_is_refused(tmp_path, d, parts):
+    """Fields of one or four variables, and values that are matrices."""
+    points = fr.datasets.uniform(20, d, seed=1)
+    fr.save(tmp_path / "a.npz", fr.LeastSquares(points, 1).field(np.ones((20, *parts))))
+    with pytest.raises(ValueError, match=rf"in {d} variables"):
+        reconstruct(load=tmp_path / "a.npz", at=points)
+
+
+def test_units_of_a_value_leave_those_of_the_coordinates():
+    """A unit that is given replaces that of the value only."""
+    data = SET.assign({name: SET[name].assign_attrs(units="m") for name in ("x", "y", "depth")})
+    assert plane(data).samples.units == ("m", "m", "m")
+    assert plane(data, units="km").samples.units == ("m", "m", "km")
+
+
+def test_a_constant_beside_another_value_is_reproduced():
+    """It has no standard deviation in whose units errors could be compared."""
+    survey = plane(POINTS, value=np.stack([PLANE, np.full(60, 3.0)], axis=1))
+    np.testing.assert_allclose(survey.result.values[..., 1], 3.0)
+    assert np.isfinite(survey.predict(POINTS).error).all()
+
+
 @pytest.mark.parametrize("d", [2, 3])
 def test_without_targets_a_grid_covers_the_samples(d):
     """In the plane and in space, with as many nodes along each side."""
