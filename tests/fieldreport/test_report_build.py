@@ -184,7 +184,7 @@ class TestOutdatedSteps:
 
     @pytest.mark.slow
     def test_a_typing_error_is_told_before_anything_runs(self, report, capfd):
-        """The message has file and line; names of facts are known once the experiment has run."""
+        """The message has file and line; facts and tables are known once the experiment has run."""
         report.write_chapter("As in @nobody1900.")
         assert report.build() == 1
         assert report.did() == []
@@ -194,11 +194,15 @@ class TestOutdatedSteps:
         report.write_chapter()
         assert report.build() == 0
         report.did()
-        report.write_chapter("It is {{fake_a.smal:.1e}}.")
+        table = "::: {.result #tbl:b experiment=fake_a table=errors columns=j}\nErrors.\n:::"
+        report.write_chapter("It is {{fake_a.smal:.1e}}.\n\n![A.](fake_c.svg)\n\n" + table)
         report.write_experiment("fake_b", "SCALE = 1.0", "SCALE = 2.0")
         assert report.build() == 1
         assert report.did() == []
-        assert "fake_a has no fact smal" in capfd.readouterr().err
+        told = capfd.readouterr().err
+        assert "fake_a has no fact smal" in told
+        assert "no experiment draws the figure fake_c.svg" in told
+        assert "no column 'j'; there are error [m], exact, k" in told
         (report.source / "references.bib").unlink()
         assert report.build() == 1
         assert "there is no " in capfd.readouterr().err

@@ -13,7 +13,7 @@ from fieldrecon._core.atomic_files import TEMPORARY, write_atomically
 from fieldrecon._core.digests import json_digest
 from fieldrecon.cli.progress import Bar
 from fieldreport.build import screen_files, up_to_date, widgets
-from fieldreport.build.chapter_checks import errors_in
+from fieldreport.build.chapter_checks import Quotable, errors_in
 from fieldreport.build.chapter_pages import write_pages
 from fieldreport.build.code_dependencies import code_digests, statement_cache
 from fieldreport.build.errors import BuildError
@@ -24,7 +24,7 @@ from fieldreport.build.source_date import source_date
 from fieldreport.build.step_records import Steps, content_digest, digests
 from fieldreport.build.typesetting import Document, unquoted_facts
 from fieldreport.framework.names import no_such
-from fieldreport.framework.result_files import fact_names, read_result
+from fieldreport.framework.result_files import fact_names, read_result, table_columns
 
 
 def build(arguments: argparse.Namespace) -> None:
@@ -61,9 +61,14 @@ def build(arguments: argparse.Namespace) -> None:
 def _check_chapters(document: Document, jobs: list[ExperimentJob], steps: Steps) -> None:
     """Stop the build at typing errors in the chapters, before an experiment runs.
 
-    The facts of an experiment are known if its result is up to date.
+    The facts and the tables of an experiment are known if its result is up to date.
     """
-    quotable = {job.name: _quotable(job, steps) for job in jobs}
+    done = [job for job in jobs if steps.done(f"run-{job.name}", job.run_key())]
+    quotable = Quotable(
+        values={job.name: _quotable(job, job in done) for job in jobs},
+        tables={job.name: table_columns(job.folder) for job in done},
+        figures={figure for job in jobs for figure in job.experiment.plots},
+    )
     references = document.source / "references.bib"
     if not references.is_file():
         raise BuildError(f"there is no {references}")
@@ -72,9 +77,8 @@ def _check_chapters(document: Document, jobs: list[ExperimentJob], steps: Steps)
         raise BuildError("\n".join(f"{document.source.name}/{line}" for line in found))
 
 
-def _quotable(job: ExperimentJob, steps: Steps) -> set[str]:
+def _quotable(job: ExperimentJob, done: bool) -> set[str]:
     params = {f"params.{name}" for name in asdict(job.params)}
-    done = steps.done(f"run-{job.name}", job.run_key())
     return params | (fact_names(job.folder) if done else set())
 
 

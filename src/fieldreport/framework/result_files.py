@@ -79,6 +79,11 @@ def fact_names(folder: Path) -> set[str]:
     return set(_read_json(folder / "facts.json"))
 
 
+def table_columns(folder: Path) -> dict[str, tuple[str, ...]]:
+    """Read the columns of the tables of a result, by the name of the table."""
+    return {path.stem: _columns(path) for path in table_files(folder)}
+
+
 def write_figures(
     experiment: Experiment,
     result: Result,
@@ -115,6 +120,11 @@ def _json(x: Any) -> bytes:
 
 def _read_json(path: Path) -> Any:
     return json.loads(path.read_text(encoding="utf-8"))
+
+
+def _columns(path: Path) -> tuple[str, ...]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return tuple(next(csv.reader(file)))
 
 
 def _read_table(path: Path) -> ResultTable:
