@@ -21,6 +21,7 @@ from fieldreport.build import (
     typesetting,
     up_to_date,
 )
+from fieldreport.build.chapter_pages import HEADING
 from fieldreport.build.lock import only_build_in
 from fieldreport.commands import report as command
 from fieldreport.framework import result_files as files
@@ -28,8 +29,10 @@ from report_fixtures import SmallReport
 
 
 def skip_typesetting(self, values, metadata):  # noqa: ARG001
-    """Stand in for the typesetting, which takes seconds."""
-    files.write_atomically(self.page, b"<main></main>")
+    """Stand in for the typesetting, which takes seconds: each file is a chapter without text."""
+    labels = [label for path in self.chapters for label in HEADING.findall(path.read_text())]
+    sections = "".join(f'<section id="{label}" class="level2">' for label in labels)
+    files.write_atomically(self.page, f"<main>{sections}</main>".encode())
     files.write_atomically(self.page.with_name("fonts.css"), b"")
     return [
         files.write_atomically(self.out / f"report.{kind}", json.dumps(values).encode())
@@ -172,6 +175,26 @@ class TestOutdatedSteps:
         assert [path.read_text() for path in others] == ["mine"] * len(others)
         left = [path.name for path in (results / "fake_b").iterdir()]
         assert sorted(left) == ["a.txt", "mine.svg"]
+
+    @pytest.mark.slow
+    def test_the_page_of_a_removed_chapter_is_removed(self, built):
+        """Pages of others stay, and no page is removed that only a damaged record could name."""
+        pages, chapter = built.out / "pages", built.source / "chapters" / "02-new.md"
+        mine = pages / "mine.html"
+        mine.write_text("mine")
+        before = built.outputs()
+        for record in (None, "", "[]", "{}"):
+            chapter.write_text("# New {#sec:new}\n")
+            assert built.build() == 0
+            assert (pages / "new.html").exists()
+            if record is not None:
+                (built.out / ".state" / "pages.json").write_text(record)
+            chapter.unlink()
+            assert built.build() == 0
+            assert (pages / "new.html").exists() == (record is not None)
+            if record is None:
+                assert built.outputs() == before
+            assert mine.read_text() == "mine"
 
     @pytest.mark.slow
     @pytest.mark.parametrize("text", ["", "[]", "{}"])

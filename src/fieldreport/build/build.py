@@ -118,11 +118,13 @@ def _finish(
 def _write_pages(
     document: Document, jobs: list[ExperimentJob], steps: Steps, key: str, progress: Bar
 ) -> None:
-    """Write the chapters for the site of the documentation."""
+    """Write the chapters for the site of the documentation, and remove those of earlier texts."""
     key = json_digest([key, code_digests("fieldreport.build.chapter_pages")])
     if not steps.done("pages", key):
         progress.add(1)
-        steps.record("pages", key, write_pages(document, jobs))
+        made = write_pages(document, jobs)
+        steps.remove_others("pages", made)
+        steps.record("pages", key, made)
         progress.done("wrote the chapters")
 
 

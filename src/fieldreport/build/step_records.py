@@ -71,6 +71,14 @@ class Steps:
         note = {"key": key, "made": digests(made, self.out), "read": inputs}
         write_atomically(self._note(step), json.dumps(note, indent=1).encode())
 
+    def remove_others(self, step: str, made: Iterable[Path]) -> None:
+        """Remove what a step made before, according to its record, and does not make now.
+
+        Files that no step made stay, and folders with such files.
+        """
+        with suppress(OSError, ValueError):  # no record, or one that does not say what is whose
+            _remove(self.made(step).difference(made))
+
     def keep_only(self, kind: str, steps: Iterable[str]) -> None:
         """Remove the outputs and the records of all other steps whose names begin with a kind.
 
@@ -80,10 +88,7 @@ class Steps:
         for note in (self.out / ".state").glob(f"{kind}-*.json"):
             if note.stem not in wanted:
                 with suppress(ValueError):  # a damaged record does not say what is whose
-                    for path in self.made(note.stem):
-                        path.unlink(missing_ok=True)
-                        with suppress(OSError):  # there are other files
-                            path.parent.rmdir()
+                    _remove(self.made(note.stem))
                 note.unlink()
 
     def _read(self, step: str) -> Any:
@@ -94,3 +99,10 @@ class Steps:
 
     def _note(self, step: str) -> Path:
         return self.out / ".state" / f"{step}.json"
+
+
+def _remove(paths: Iterable[Path]) -> None:
+    for path in paths:
+        path.unlink(missing_ok=True)
+        with suppress(OSError):  # there are other files
+            path.parent.rmdir()
