@@ -113,6 +113,8 @@ local function figures_of(div)
   return div.content:filter(function(block) return block.t == 'Figure' end)
 end
 
+local last_statement = nil      -- the one with a label that a proof is below
+
 local function box(div)
   if div.classes:includes 'widget' then return figures_of(div) end
   local kind
@@ -121,9 +123,11 @@ local function box(div)
   end
   if not div.classes:includes 'statement' then return nil end
   if kind == 'solution' or kind == 'proof' then div.content = unsplit(div.content) end
-  div.content:insert(1, raw_block('#statement("' .. kind .. '")['))
+  if kind ~= 'proof' and div.identifier ~= '' then last_statement = div.identifier end
+  local of = kind == 'proof' and last_statement and (', of: "%s"'):format(last_statement) or ''
+  div.content:insert(1, raw_block(('#statement("%s"%s)['):format(kind, of)))
   div.content:insert(raw_block ']')
-  return div
+  return kind == 'proof' and { raw_block '#before-proof', div } or div
 end
 
 local function row_count(t)

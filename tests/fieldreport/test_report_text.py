@@ -616,6 +616,71 @@ def test_a_long_proof_is_divided_between_paragraphs_but_not_by_a_float(typeset_w
 
 
 @pytest.mark.slow
+def test_a_float_in_a_proof_is_named_with_its_line_and_that_of_the_statement(text):
+    """A longer label that begins with the same letters, on an earlier line, is another one."""
+    figure = '![Bumps, all of them.](bumps.svg){#fig:%s alt="Bumps, which rise to the right."}'
+    paragraph = "Word. " * 220 + "\n\n"
+    proof = f"{4 * paragraph}{figure % 'low'}\n\n{6 * paragraph}"
+    chapter = (
+        f"# First {{#sec:first}}\n\nSee @fig:low, @fig:low-far.\n\n{figure % 'low-far'}\n\n"
+        f"::: {{.theorem #thm:one}}\nSo.\n:::\n\n{paragraph}"
+        f"::: proof\n{proof}\n:::\n"
+    )
+    source = text.document.out / "proof.typ"
+    source.write_text(text.convert(chapter)["print"])
+    with pytest.raises(
+        BuildError,
+        match=r"<fig:low> \(text/chapters/01-all.md:22\) is printed within the proof "
+        r"below <thm:one> \(text/chapters/01-all.md:7\); call it elsewhere",
+    ):
+        text.document.typeset(source)
+
+
+WAITING = """
+#v(60mm) #floating(<sec:first>)[#figure(rect(height: 50mm), caption: [First.])<fig:first>]
+#pagebreak() #v(HEIGHT)
+#floating(<sec:first>)[#figure(rect(height: 150mm), caption: [Wide.<caption>])<fig:second>]
+#before-proof
+#block[#statement("proof")[#whole[#lorem(220)] #whole[#lorem(LAST)]<conclusion>]]
+"""
+
+
+@pytest.mark.slow
+def test_a_float_that_waits_for_a_page_is_above_a_proof_that_would_be_divided(typeset_with):
+    """It is printed below a proof that fits."""
+    long = typeset_with(WAITING.replace("HEIGHT", "100mm").replace("LAST", "220"))
+    assert position(long, "<caption>")[0] == position(long, "<before-proof>")[0] + 1
+    assert position(long, "<caption>") < position(long, "<proof>")
+    short = typeset_with(WAITING.replace("HEIGHT", "100mm").replace("LAST", "50"))
+    assert position(short, "<proof>")[0] == position(short, "<before-proof>")[0]
+    assert position(short, "<conclusion>") < position(short, "<caption>")
+
+
+@pytest.mark.slow
+def test_below_a_float_at_the_foot_a_proof_begins_on_the_next_page(typeset_with):
+    """Without this, the float would be between the parts of the proof."""
+    divided = LONG_PROOF.replace("FLOAT", "").replace("#lorem(220)]<", "#lorem(180)]<")
+    divided = divided.replace("220", "60")
+    with pytest.raises(BuildError, match="is printed within a proof"):
+        typeset_with(divided)
+    source = typeset_with(divided.replace("#block[", "#before-proof\n#block["))
+    assert position(source, "<caption>")[0] + 1 == position(source, "<proof>")[0]
+    assert position(source, "<proof>")[0] == position(source, "<conclusion>")[0]
+
+
+@pytest.mark.slow
+def test_a_float_called_below_the_rest_of_a_proof_is_at_the_foot_of_the_page(typeset_with):
+    """At the top it would be between the parts of the proof; it may push the call to a new page."""
+    for height in ("60mm", "120mm"):
+        called = f"\n#pagebreak()\n#v(100mm)\n#block{LONG_PROOF.partition('#block')[2]}"
+        called = called.replace("FLOAT", "") + "#lorem(30)\n" + FLOAT.replace("HEIGHT", height)
+        source = typeset_with(called + "#lorem(20)<after>\n")
+        assert position(source, "<proof>")[0] < position(source, "<conclusion>")[0]
+        assert position(source, "<caption>")[0] == position(source, "<conclusion>")[0]
+        assert position(source, "<caption>") > position(source, "<conclusion>")
+
+
+@pytest.mark.slow
 def test_a_page_above_its_limit_names_its_longest_figures(text, monkeypatch):
     monkeypatch.setattr("fieldreport.build.typesetting.PAGE_LIMIT", 1000)
     with pytest.raises(BuildError, match=r"bytes, more than 1,000; draw fewer .*bumps"):

@@ -103,8 +103,15 @@ class Document:
         page = self._whole_page(text["page"], self.with_figures(text["site"]))
         return [
             write_atomically(self.out / "report.html", page),
-            write_atomically(self.out / "report.pdf", typeset(source, self.out)),
+            write_atomically(self.out / "report.pdf", self.typeset(source)),
         ]
+
+    def typeset(self, source: Path) -> bytes:
+        """Return the PDF of a Typst file; its errors say where the labels that they name stand."""
+        try:
+            return typeset(source, self.out)
+        except BuildError as error:
+            raise BuildError(LABEL.sub(self._with_place, str(error))) from error
 
     def convert(self, values: Mapping[str, Any], metadata: Mapping[str, str]) -> dict[str, str]:
         """Return the text as HTML, without style and fonts, for page and site, and as Typst."""
@@ -178,11 +185,19 @@ class Document:
             )
         return f"pandoc: {stderr.strip()}"
 
+    def _with_place(self, label: re.Match[str]) -> str:
+        place = self._place_of(re.compile(rf"#{label[1]}(?![\w-])"))
+        return f"{label[0]} ({place})" if place else label[0]
+
     def _place(self, token: str) -> str:
-        for path in self.chapters if token else ():
+        place = self._place_of(re.compile(re.escape(token))) if token else ""
+        return f"{place}: " if place else ""
+
+    def _place_of(self, pattern: re.Pattern[str]) -> str:
+        for path in self.chapters:
             for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-                if token in line:
-                    return f"{self.source.name}/chapters/{path.name}:{number}: "
+                if pattern.search(line):
+                    return f"{self.source.name}/chapters/{path.name}:{number}"
         return ""
 
     def _whole_page(self, page: str, site: str) -> bytes:
@@ -242,6 +257,8 @@ WRONG_FORMULA = re.compile(
     re.S,
 )
 """The formula and the part of it that pandoc does not understand."""
+LABEL = re.compile(r"<(\w+:[\w-]+)>")
+"""A label in an error of Typst."""
 UPRIGHT_NABLA = '<mi mathvariant="normal">∇</mi>'
 """Without this, a browser would slant the operator like a variable."""
 DARK = "@media screen and (prefers-color-scheme: dark) {{ :root {{ {0}}} }}\n"
