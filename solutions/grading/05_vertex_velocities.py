@@ -46,7 +46,7 @@ def fans(seed):
     return (*small, *(Call("edges_of", (triangles,), case) for triangles, case in larger))
 
 
-@hidden("05.2", "It must hold for edges of every length and direction.")
+@hidden("05.2", "The midpoints and normals must be right for edges of every length and direction.")
 def short_and_long(seed):
     random = np.random.default_rng(seed + 2)
     points, triangles = fan(random, 5)

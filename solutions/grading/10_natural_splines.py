@@ -63,8 +63,8 @@ def uneven_steps(seed):
 
 @hidden(
     "10.4",
-    "The points may come in any order, near the sites, in any unit, as whole numbers. There may be "
-    "two sites only.",
+    "The points may come in any order, near the sites, in any unit. The other arguments may be "
+    "whole numbers. There may be two sites only.",
 )
 def points_in_any_order(seed):
     random = np.random.default_rng(seed + 4)
@@ -72,7 +72,6 @@ def points_in_any_order(seed):
     x = random.uniform(sites[0] - 3, sites[-1] + 3, 30)
     apart = np.array([2.0**-9, 2.0**-12, 2.0**-15, 2.0**-18, 2.0**-21])
     beside = np.add.outer(sites, np.append(apart, -apart)).ravel()
-    numbers = random.permutation(np.arange(int(sites[0]) - 3, int(sites[-1]) + 4))
     two = line(random, 2)
     whole = whole_moments(random, whole_line(random, 6))
     return (
@@ -86,14 +85,13 @@ def points_in_any_order(seed):
             (2.0**-18 * sites, 2.0**-36 * heights, M, 2.0**-18 * beside),
             "points beside close sites",
         ),
-        Call("piecewise", (sites, heights, M, numbers), "points in whole numbers"),
         Call(
             "piecewise",
             (
                 two,
                 random.integers(1, 9, 2),
                 np.zeros(2, dtype=int),
-                numbers,
+                x,
             ),
             "two sites",
         ),
@@ -110,6 +108,18 @@ def points_in_any_order(seed):
         Call("piecewise", (sites, 0 * heights, 0 * M, x), "values that are zero"),
         Call("piecewise", (sites - 2e4, heights, M, x - 2e4), "sites far away", exact=(0, 3)),
     )
+
+
+@hidden("10.4", "The points may be an array of integers; the values have decimals.")
+def points_in_whole_numbers(seed):
+    random = np.random.default_rng(seed + 14)
+    calls = []
+    for n, words in ((9, "nine"), (4, "four")):
+        sites, heights, M = natural_data(random, n)
+        numbers = random.permutation(np.arange(int(sites[0]) - 3, int(sites[-1]) + 4))
+        case = f"{words} sites, points in whole numbers"
+        calls.append(Call("piecewise", (sites, heights, M, numbers), case))
+    return tuple(calls)
 
 
 @hidden("10.5", "There may be two sites only, or many, in any unit.")

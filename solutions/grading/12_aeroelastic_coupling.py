@@ -191,16 +191,25 @@ def on_both_sides(seed):
     )
 
 
-@hidden("12.10", "It must hold for many nodes, many steps and none, and for whole numbers.")
+@hidden("12.10", "It must hold for many nodes, many steps, and for whole numbers.")
 def longer_and_shorter(seed):
     random = np.random.default_rng(seed + 7)
     whole = np.array([[7]]), np.array([[1], [-2]]), random.integers(1, 9, 2), np.eye(2, dtype=int)
     return (
         Call("iterates", (*wing(random, 6, 4), 1.1, 25), "six nodes"),
-        Call("iterates", (*section(random, 0.3), 1.2, 0), "no step"),
         Call("iterates", (*whole, 0.5, 4), "a section in whole numbers"),
         Call("iterates", (*wing(random, 3, 4), 0.1, 300), "small steps"),
         Call("iterates", (*wing(random, 61, 9), 1, 3), "61 nodes"),
+    )
+
+
+@hidden("12.10", "With no step the answer is one row of zeros.")
+def no_step(seed):
+    random = np.random.default_rng(seed + 17)
+    return (
+        Call("iterates", (*section(random, 0.3), 1.2, 0), "no step"),
+        Call("iterates", (*wing(random, 3, 4), 0.7, 0), "no step of three nodes"),
+        Call("iterates", (*wing(random, 3, 4), 0.7, 3), "three steps of three nodes"),
     )
 
 

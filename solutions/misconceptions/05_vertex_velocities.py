@@ -195,7 +195,7 @@ def normals_of_the_places(points, edges):
     """
     a, b = ends(points, edges)
     middle = (a + b) / 2
-    return middle, turned(middle) / np.maximum(np.hypot(*middle.T), 1e-12)[:, None]
+    return middle, turned(middle) / np.maximum(np.hypot(*middle.T), 1e-30)[:, None]
 
 
 # 05.3 rotation

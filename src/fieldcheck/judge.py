@@ -12,7 +12,7 @@ import numpy as np
 
 from fieldcheck.answers import Answers
 from fieldcheck.calls import LIST, MATRIX, Call, Outcome, Values
-from fieldcheck.patterns import are_truth_values, pattern
+from fieldcheck.patterns import FAR_OFF, are_truth_values, pattern
 from fieldcheck.question import LEAST_TOLERANCE, Law, Question, scale
 from fieldcheck.shapes import (
     ORDINALS,
@@ -33,8 +33,20 @@ NOT_RECOGNISABLE = ("missing", "unwritten", "endless", "modified", "slow")
 STEP = 1e-3
 """Relative size of the change that shows the unit in which answers are compared."""
 
-IN_PLACE = " An array of integers takes no decimals, not even by `-=`; `x.astype(float)` does."
-"""What to do about NumPy's error, which does not say it in these words."""
+SLIGHTLY = 0.01
+"""A law that compares calls is hardly violated by such a part of the error of one of them."""
+
+NOT_FINITE = (
+    " NumPy says this of NaN or infinite entries: look for a division by zero before this line."
+)
+ADVICE = {
+    "Cannot cast ufunc": (
+        " An array of integers takes no decimals, not even by `-=`; `x.astype(float)` does."
+    ),
+    "did not converge": NOT_FINITE,
+    "infs or NaNs": NOT_FINITE,
+}
+"""What to do about errors of NumPy, which does not say it in these words."""
 
 
 def judge(
@@ -71,9 +83,10 @@ def judge(
         if finding == "wrong":
             count = _number_in_form(question, calls, outcomes)
             values = _values(question, calls[:count], outcomes[:count])
-            sentence = _joined(
-                sentence, pattern(question, calls[:count], values, answers.right[:count])
+            found = pattern(
+                question, calls[:count], values, answers.right[:count], are_all=count == len(calls)
             )
+            sentence = _joined(sentence, found)
     return Verdict(question.name, finding, sentence, call=call)
 
 
@@ -109,14 +122,15 @@ def _failures(
 ) -> Iterator[Failure]:
     """Yield the failures of the first call without values of the right form, or of the values.
 
-    Wrong values before it are reported, unless it raised: whether a nearly singular system raises
-    depends on the machine.
+    Wrong values before it are reported. If it raised, only those of the first call are: whether a
+    nearly singular system raises depends on the machine, and the first call is a plain one.
     """
     count = _number_in_form(question, calls, outcomes)
     if count < len(calls):
         form = list(_form(question, calls[count], outcomes[count]))
         raised = outcomes[count].status == "raised"
-        wrong = [] if raised else _wrong_before(question, calls, outcomes, answers, count)
+        before = min(count, 1) if raised else count
+        wrong = _wrong_before(question, calls, outcomes, answers, before)
         yield from wrong or [(finding, sentence, count) for finding, sentence in form]
         return
     yield from _wrong(question, calls, _values(question, calls, outcomes), answers)
@@ -161,7 +175,7 @@ def _form(question: Question, call: Call, outcome: Outcome) -> Iterator[tuple[Fi
         yield "unwritten", f"Write {name}, run its cell, and then this one again."
     elif outcome.status == "raised":
         place = f" It arises in {outcome.line}." if outcome.line else ""
-        advice = IN_PLACE if "Cannot cast ufunc" in outcome.error else ""
+        advice = next((text for words, text in ADVICE.items() if words in outcome.error), "")
         yield "exception", f"For {call.case}, {name} stops with {outcome.error}.{place}{advice}"
     elif outcome.status == "timed out":
         yield "endless", f"For {call.case}, {name} was stopped after {outcome.seconds:.0f} seconds."
@@ -216,7 +230,8 @@ def _wrong(
 ) -> Iterator[Failure]:
     """Yield a violated law and the first case that violates it, or else the first wrong case.
 
-    Inputs begin with the plain cases, so the first one is the simplest.
+    Inputs begin with the plain cases, so the first one is the simplest. It is not passed over for a
+    later case with a violated law if it satisfies this law itself and is far off.
     """
     violated = [law for law in question.laws if not _deviation(law, calls, values) <= law.tolerance]
     if answers is None:
@@ -226,14 +241,23 @@ def _wrong(
         return
     units = _units(question, calls, values, answers)
     failed = [k for k, d in enumerate(units) if not max(map(_largest, d)) <= 1]
+    violated = [
+        law
+        for law in violated
+        if law.of_each or not _is_hardly_violated(law, calls, values, answers.right, failed)
+    ]
+    first = failed[0] if failed else None
+    is_far_off = first is not None and max(map(_largest, units[first])) > FAR_OFF
     for index, law in product(failed, violated):
         deviation = _deviation_alone(law, calls, values, answers.right, index)
         if not deviation <= law.tolerance:
+            if index != first and is_far_off and law.of_each:
+                violated = []
+                break
             text = law.amount and f"For {calls[index].case}, {law.amount.format(deviation)}."
             text = text or _difference(question, calls[index], units[index], answers.right, index)
             yield "wrong", _joined(law.sentence, text), index
             return
-    first = failed[0] if failed else None
     if violated:
         text = _off(_deviation(violated[0], calls, values), violated[0].tolerance)
         yield "wrong", _joined(violated[0].sentence, text), first
@@ -269,6 +293,22 @@ def _deviation_alone(
     if law.of_each:
         return _deviation(law, calls[index : index + 1], values[index : index + 1])
     return _deviation(law, calls, [*right[:index], values[index], *right[index + 1 :]])
+
+
+def _is_hardly_violated(
+    law: Law,
+    calls: Sequence[Call],
+    values: Sequence[Values],
+    right: Sequence[Values],
+    failed: Sequence[int],
+) -> bool:
+    """Return whether wrong values nearly satisfy a law, though one among right ones does not.
+
+    Values that ignore an argument do not depend on the unit, but right ones beside them differ.
+    """
+    alone = [_deviation_alone(law, calls, values, right, index) for index in failed]
+    largest = max((d for d in alone if np.isfinite(d)), default=0.0)
+    return _deviation(law, calls, values) < SLIGHTLY * largest
 
 
 def _units(

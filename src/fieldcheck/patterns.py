@@ -109,7 +109,11 @@ Kind = Callable[[Sequence[Case]], str]
 
 
 def pattern(
-    question: Question, calls: Sequence[Call], values: Sequence[Values], right: Sequence[Values]
+    question: Question,
+    calls: Sequence[Call],
+    values: Sequence[Values],
+    right: Sequence[Values],
+    are_all: bool = True,
 ) -> str:
     """Return what the wrong values have in common, in one or two sentences, or nothing.
 
@@ -121,6 +125,8 @@ def pattern(
         The calls.
     values, right : sequence of Values
         The returned and the right arrays of each call, of the same shapes.
+    are_all : bool
+        Whether these are all calls, so that it can be said which of them are right.
     """
     cases = [
         Case(
@@ -149,7 +155,7 @@ def pattern(
         or _single_precision(cases, wrong)
         or next(filter(None, (kind(wrong) for kind in kinds)), "")
     )
-    where = _where(cases, wrong) or ("" if found else _sizes(cases, wrong))
+    where = _where(cases, wrong) or ("" if found else _sizes(cases, wrong)) if are_all else ""
     return " ".join(filter(None, (where, found)))
 
 
@@ -176,12 +182,20 @@ def _are_single_whole_numbers(answers: Sequence[Values]) -> bool:
 
 
 def _where(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
+    """Recognize a single wrong case, or a single right one.
+
+    The values zero are right by chance, and so may be those for the fewest points: two are always
+    neighbours, and one square may happen to have the right orientation.
+    """
     right = [case for case in cases if case not in wrong]
     if len(wrong) == 1 < len(cases):
         return f"{HERE} wrong only for {wrong[0].name}."
     if len(right) == 1:
+        is_special = 0 < right[0].rows <= FEWEST_ROWS and all(
+            case.rows > right[0].rows for case in wrong
+        )
         is_zero = not any(r.any() for r in right[0].right)
-        return "" if is_zero else f"{HERE} right only for {right[0].name}."
+        return "" if is_special or is_zero else f"{HERE} right only for {right[0].name}."
     return _dimensions({case.dimension for case in right}, {case.dimension for case in wrong})
 
 

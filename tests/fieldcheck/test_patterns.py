@@ -78,6 +78,32 @@ def test_values_that_are_right_up_to_a_dimension_are_told(dimensions, right, sen
 
 
 @pytest.mark.parametrize(
+    ("rows", "right", "is_told"),
+    [
+        ((1, 7, 9), 1, False),
+        ((3, 7, 9), 3, False),
+        ((4, 7, 9), 4, False),
+        ((3, 2, 9), 3, True),
+        ((7, 5, 9), 7, True),
+    ],
+)
+def test_a_single_right_case_is_told_unless_it_has_few_rows(rows, right, is_told):
+    """It would say that the number of rows matters, and two points are always neighbours."""
+    found = where_right([(n, 2) for n in rows], lambda n, _: n == right)
+    assert (f"{HERE} right only for a cloud of ({right}, 2)." in found) == is_told
+
+
+def test_nothing_is_said_on_which_cases_are_right_if_some_are_missing():
+    """The other cases returned nothing that can be compared."""
+    right = [call.arguments for call in CALLS]
+    values = [(r if k else -r,) for k, (r,) in enumerate(right)]
+    opposite = "The wrong values are the right ones with the opposite sign."
+    told = f"{HERE} wrong only for a small table. {opposite}"
+    assert pattern(TABLE, CALLS, values, right) == told
+    assert pattern(TABLE, CALLS, values, right, are_all=False) == opposite
+
+
+@pytest.mark.parametrize(
     ("rows", "right", "sentence"),
     [
         (

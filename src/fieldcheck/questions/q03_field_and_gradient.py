@@ -122,7 +122,10 @@ def many_or_far(name: str, seed: int) -> tuple[Call, ...]:
     return (*calls, Call(name, (*line, random.random((69, 1))), case))
 
 
-@law("The field must be an affine function plus λ_j times the kernel at each centre.")
+@law(
+    "The field must be the affine function with the coefficients c, at the evaluation point "
+    "itself, plus λ_j times the kernel at each centre."
+)
 def is_a_sum_of_basis_functions(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of the values from those of the field."""
     return max(relative(v - field(*c.arguments), v) for c, (v,) in zip(calls, values, strict=True))

@@ -122,7 +122,10 @@ def nearly_towards(random: np.random.Generator, points: np.ndarray, angle: float
 
 
 def rank_inputs(seed: int) -> tuple[Call, ...]:
-    """Return samples of known rank, near and far from the origin, in large and small units."""
+    """Return samples of known rank, near and far from the origin, in large and small units.
+
+    Normals that meet in a point come before those that nearly do, where the tolerance matters.
+    """
     random = np.random.default_rng(seed)
     points, nine = cloud(random, 8, 2), cloud(random, 9, 2)
     points[0] = points[1:].mean(axis=0)  # so its distance from the mean is no measure of the size
@@ -225,15 +228,14 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
             for first, last, which in (((0, 0), (7, 8), "the first"), ((0, 1), (8, 8), "the last"))
         ),
     )
-    return (
-        *(Call("velocity_rank", (p, n), case) for p, n, case in general),
-        *(Call("velocity_rank", (p, n), case, exact=(0, 1)) for p, n, case in constructed),
-    )
+    near = tuple(Call("velocity_rank", (p, n), case) for p, n, case in general)
+    made = tuple(Call("velocity_rank", (p, n), case, exact=(0, 1)) for p, n, case in constructed)
+    return near[:7] + made[:5] + near[7:] + made[5:]
 
 
 RANKS = (
-    *(6, 5, 6, 6, 6, 12, 12, 6, 6, 12, 5, 5, 4, 4, 6, 6, 6, 6),
-    *(4, 4, 3, 5, 5, 8, 3, 3, 4, 6, 6, 6, 12),
+    *(6, 5, 6, 6, 6, 12, 12, 4, 4, 3, 5, 5),
+    *(6, 6, 12, 5, 5, 4, 4, 6, 6, 6, 6, 8, 3, 3, 4, 6, 6, 6, 12),
     *(6, 12, 6, 6, 6, 12, 6, 6, 5, 5),
 )
 

@@ -135,7 +135,7 @@ def ends_share_a_triangle(call: Call, values: Values) -> float:
 
 
 def normals_inputs(seed: int) -> tuple[Call, ...]:
-    """Return a mesh, two edges along the axes, and an elongated mesh in small units."""
+    """Return a mesh, two edges parallel to the axes, and an elongated mesh in small units."""
     random = np.random.default_rng(seed)
     points, triangles = mesh(random, 3, 2)
     more, others = mesh(random, 2, 2)
@@ -148,11 +148,17 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     near = calls_of(
         name,
         ((points, sides(triangles, random)), "the edges of a mesh"),
-        ((1e-12 * cross, np.array([[1, 0], [0, 2]])), "two edges along the axes, of length 10⁻¹²"),
+        (
+            (1e-12 * (cross + np.array([5, -3])), np.array([[1, 0], [0, 2]])),
+            "two edges parallel to the axes, of length 10⁻¹²",
+        ),
         ((50 * more - 20, sides(others, random)), "a larger mesh"),
         ((integers(points, 1e4), sides(triangles, random)), "a mesh of integers"),
         ((integers(more, 1e4), sides(others, random)), "another mesh of integers"),
-        ((integers(cross), np.array([[0, 1], [2, 0]])), "two edges along the axes, integers"),
+        (
+            (integers(cross) + np.array([5, -3]), np.array([[0, 1], [2, 0]])),
+            "two edges parallel to the axes, integers",
+        ),
         ((points, sides(triangles, random)[:1]), "one edge of a mesh"),
         ((integers(more, 1e4), sides(others, random)[:1]), "one edge of a mesh of integers"),
         ((1e-12 * more, sides(others, random)), "a mesh in a square of 10⁻¹²"),

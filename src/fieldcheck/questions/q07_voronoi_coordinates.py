@@ -398,7 +398,7 @@ def interpolate_inputs(seed: int) -> tuple[Call, ...]:
         (3, 7, True, "seven points and three values, listed clockwise"),
     ):
         center, rim, corners = star(random, n, clockwise)
-        whole = random.permutation(n) - 2
+        whole = random.permutation(n) + 1
         x = points_inside(random, center, corners, m)
         calls.append(Call("interpolate", (center, rim, corners, whole, x), case))
     for (cell, inside), case in zip(cells_of_integers(random), INTEGERS, strict=True):

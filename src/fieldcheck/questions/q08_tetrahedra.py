@@ -192,14 +192,16 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     return calls + away + small
 
 
-@law(
-    "The volume must not depend on the lengths of the edges nor on their order, and perpendicular "
-    "normals must span the volume one."
-)
+@law("The volume must not depend on the lengths of the edges nor on their order.")
 def depends_on_directions(_: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the effect of lengths and order, and the deviation from one if perpendicular."""
-    here, longer, turned, one = (float(v) for (v,) in values[:4])
-    return max(relative(longer - here, here), relative(turned - here, here), abs(one - 1))
+    """Return the effect of lengths and order."""
+    here, longer, turned = (float(v) for (v,) in values[:3])
+    return max(relative(longer - here, here), relative(turned - here, here))
+
+
+@law("Perpendicular normals must span the volume one.")
+def is_one_if_perpendicular(_: Sequence[Call], values: Sequence[Values]) -> float:
+    return abs(float(values[3][0]) - 1)
 
 
 QUESTIONS = (
@@ -228,7 +230,7 @@ QUESTIONS = (
         2,
         normals_inputs,
         lambda _: ((),),
-        (depends_on_directions,),
+        (depends_on_directions, is_one_if_perpendicular),
         may_call=("08.1", "08.2"),
     ),
 )

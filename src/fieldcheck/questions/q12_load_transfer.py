@@ -146,7 +146,10 @@ def is_rotation_invariant(_: Sequence[Call], values: Sequence[Values]) -> float:
     return relative(values[1][0] - values[0][0], values[0][0])
 
 
-@law("If nodes and points are rotated, the slopes must rotate with them.")
+@law(
+    "If nodes and points are rotated, the slopes must rotate with them. Difference quotients do so "
+    "only nearly."
+)
 def slopes_rotate_with_the_mesh(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of slopes after a quarter turn from the rotated slopes."""
     (before,), (after,) = values[:2]
@@ -183,7 +186,7 @@ def loads_inputs(seed: int) -> tuple[Call, ...]:
         ),
         (
             (random.normal(size=(3, 5)), random.normal(size=(3, 2))),
-            "weights that do not sum to one",
+            "weights of both signs that do not sum to one",
         ),
         ((random.normal(size=(5, 3)), random.normal(size=(5, 1))), "forces of one component"),
         ((random.uniform(0.5, 2, (4, 1)), random.normal(size=(4, 3))), "a single node"),
@@ -246,7 +249,10 @@ def resultants_inputs(seed: int) -> tuple[Call, ...]:
         ((p, f, b), "the same forces about another point"),
         ((ends, np.array([pull, -pull]), a), "a couple"),
         ((ends, np.array([pull, -pull]), b), "a couple about another point"),
-        ((arm, np.array([[0.0, 0.0, 2.0]]), np.zeros(3)), "one upward force on an arm"),
+        (
+            (arm, np.array([[0.0, 0.0, 2.0]]), np.zeros(3)),
+            "one upward force on an arm, about the origin",
+        ),
         ((integers(p), f, a), "six forces at points that are integers"),
         ((p[:3], f[:3], integers(b)), "three forces about a point that is integers"),
         ((p, random.integers(-9, 10, (6, 3)), a), "six forces that are integers"),

@@ -212,7 +212,10 @@ def nearly_real(
     return stiffness * np.eye(n), np.eye(n), stiffness * frame @ growth @ frame.T
 
 
-@law_of_each("At q the matrix of (12.11) must be singular, and at no smaller positive q.")
+@law_of_each(
+    "q must be positive. The matrix of (12.11) must be singular at q, and at no smaller positive "
+    "number."
+)
 def is_just_singular(call: Call, values: Values) -> float:
     """Return the deviation of the structure in the flow from singular, or whether it was singular
     before.

@@ -91,15 +91,15 @@ def vortex_error(call: Call, feet: np.ndarray) -> float:
 
 
 def falls_with_order(order: int) -> Deviation:
-    """Return the deviation of the observed order of the error of one step, minus a fifth of an
-    order.
+    """Return the deviation of the observed order of the error of one step, minus half an
+    order: a long step shows it only roughly.
     """
 
     def deviation(calls: Sequence[Call], values: Sequence[Values]) -> float:
         whole, half = (vortex_error(c, f) for c, (f,) in zip(calls[:2], values[:2], strict=True))
         if not 0 < half < np.inf:
             return np.inf
-        return max(0.0, abs(float(np.log2(whole / half)) - order) - 0.2)
+        return max(0.0, abs(float(np.log2(whole / half)) - order) - 0.5)
 
     return deviation
 
@@ -165,10 +165,14 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
             (2.0**-8 * sites, 2.0**-8 * random.uniform(-1, 1, (3, 2)), 9),
             "sites at distances of about 10⁻³",
         ),
+        (
+            (2.0**20 * sites, 2.0**20 * random.uniform(0, 1, (3, 2)), 9),
+            "sites at distances of about 10⁶",
+        ),
         ((few, random.uniform(4, 6, (2, 2)), 7), "feet far outside the sites"),
         (
             (random.integers(-200, 201, (12, 2)), random.integers(-200, 201, (3, 2)), 7),
-            "sites and feet that are arrays of integers",
+            "sites and feet in whole numbers up to 200",
         ),
         ((200 * sites, random.integers(-200, 201, (3, 2)), 7), "feet that are integers"),
         (
@@ -212,7 +216,6 @@ def matrix_inputs(seed: int) -> tuple[Call, ...]:
                 for unit, places, d, k, case in (
                     (2.0**-24, sites, 2, 9, "sites at distances of about 10⁻⁸"),
                     (2.0**-30, line, 1, 4, "sites on a line, at distances of about 10⁻¹⁰"),
-                    (2.0**20, sites, 2, 9, "sites at distances of about 10⁶"),
                     (2.0**20, line, 1, 4, "sites on a line, at distances of about 10⁵"),
                 )
             ),

@@ -324,7 +324,10 @@ def euler_inputs(seed: int) -> tuple[Call, ...]:
 CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 1, 1, 2, 4, 0, 2, 2, 1, -1, 2, 2, 1, 2, 2)
 
 
-@law("χ must be that of the surface: 2 for a sphere, 0 for a torus, 1 for a sheet; parts add up.")
+@law(
+    "χ must be that of the surface: 2 for a sphere, 0 for a torus, 1 for a sheet; parts add up, "
+    "and a triangle listed twice counts twice."
+)
 def is_the_known_characteristic(_: Sequence[Call], values: Sequence[Values]) -> float:
     return max(abs(float(v) - known) for (v,), known in zip(values, CHARACTERISTICS, strict=True))
 

@@ -280,7 +280,11 @@ LEVEL_NAMES = np.array([[0, 1, 2], [3, 0, 1], [4, 5, 0], [1, 2, 0]])
 
 
 def flat_inputs(seed: int) -> tuple[Call, ...]:
-    """Return large and small triangles, needles, caps, points, and repeated vertices."""
+    """Return large and small triangles, needles, caps, points, and repeated vertices.
+
+    Caps that are not quite flat come before heights that equal the tolerance: lost digits make both
+    wrong.
+    """
     random = np.random.default_rng(seed)
     corners = [thin(random, *numbers, k % 3) for k, numbers in enumerate(HEIGHTS)]
     corners += [
@@ -290,7 +294,7 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
     points = np.concatenate(corners)
     named = np.append(np.arange(len(points)).reshape(-1, 3), [[4, 7, 4], [0, 9, 20]], axis=0)
     small = np.arange(3 * len(HEIGHTS)).reshape(-1, 3)
-    return (
+    calls = (
         Call(
             "flat",
             (points, named, 1e-3),
@@ -370,6 +374,7 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
             )
         ),
     )
+    return calls[:6] + calls[-2:] + calls[6:-2]
 
 
 def nearly_caps(random: np.random.Generator, n: int) -> np.ndarray:
@@ -403,6 +408,7 @@ FLAT = (
     FLAT_OF_HEIGHTS,
     FLAT_OF_HEIGHTS,
     (0, 1, 1, 1, 0),
+    *2 * (12 * (0,),),
     (1, 0, 1, 1),
     (1, 0, 1, 1),
     (*FLAT_OF_HEIGHTS, 1, 1, 1, 0)[::-1],
@@ -412,7 +418,6 @@ FLAT = (
     *((12 * FLAT_OF_HEIGHTS)[:n] for n in (71, 69, 22, 22, 3, 3, 101, 97)),
     (1, 0, 1, 1),
     (1, 1, 0, 1),
-    *2 * (12 * (0,),),
 )
 
 
@@ -486,8 +491,8 @@ def pierced_inputs(seed: int) -> tuple[Call, ...]:
     for n, size, away, case in (
         (60, 1, 0, "sixty segments that end in the planes of oblique triangles of integers"),
         (61, 1, 0, "61 segments that end in the planes of oblique triangles of integers"),
-        (100, 2.0**-12, 2.0**20, "a hundred segments that end in oblique planes, 10⁶ away"),
-        (101, 2.0**-12, -(2.0**20), "101 segments that end in oblique planes, 10⁶ away"),
+        (65, 2.0**-12, 2.0**20, "65 segments that end in oblique planes, 10⁶ away"),
+        (67, 2.0**-12, -(2.0**20), "67 segments that end in oblique planes, 10⁶ away"),
     ):
         bound = 10 if away == 0 else 4000
         ends = in_the_plane(random, n, bound)
@@ -536,7 +541,7 @@ GOES_THROUGH = (
     *(*2 * (THROUGH_OR_NOT,), *2 * (IN_THE_PLANE_OR_NOT,), (1,), (0,)),
     *((19 * THROUGH_OR_NOT)[:n] for n in (71, 69, 12, 12, 14, 14, 14, 14, 12)),
     *((1, 1, 1), (1, 0, 1)),
-    *(n * (0,) for n in (60, 61, 100, 101)),
+    *(n * (0,) for n in (60, 61, 65, 67)),
 )
 
 
