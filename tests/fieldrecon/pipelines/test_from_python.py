@@ -236,7 +236,7 @@ def test_a_region_of_the_globe_is_projected_to_a_plane(tmp_path, width, method, 
         (POINTS, {"value": 1j * PLANE}, ValueError, "value is complex; give its real and its"),
         (
             None,
-            {"x": FRAME.east, "y": FRAME.north, "value": FRAME["depth [m]"][::-1]},
+            {"x": FRAME["east [m]"], "y": PLANE, "value": FRAME["depth [m]"][::-1]},
             ValueError,
             "x and value have different indices",
         ),
