@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,6 @@ from numpy.typing import ArrayLike
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked, report_all, rows_of, split_progress
 from fieldrecon._core.duplicates import coincidence_labels
-from fieldrecon._numerics.far_queries import loses_constants
 from fieldrecon._numerics.jets import symmetric
 from fieldrecon._numerics.saddle_point import SaddlePoint
 from fieldrecon.fields import Field
@@ -256,13 +254,6 @@ class HermiteRBF(Reconstruction):
 
     def _data_of_one(self) -> np.ndarray:
         return self.functionals.value
-
-    @cached_property
-    def _is_lossy(self) -> bool:
-        return bool(valid.quiet_evaluate(loses_constants, self, self._solved))
-
-    def _solved(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return self._system.solve(values / self._size[:, None])
 
     def _prepare(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         values = values / self._size[:, None]
