@@ -22,6 +22,7 @@ from fieldrecon._core import chunks as _chunks
 from fieldrecon._core.chunks import Inline
 from fieldrecon._numerics.far_queries import LOST
 from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.rbf import RBF
 from fieldrecon.methods.solvability import TOLERATED_MISS
 from fieldrecon.polynomials import EPS
 from fieldrecon.reconstruction import Reconstruction
@@ -627,7 +628,7 @@ def assert_promises_kept(
     size = 1 + np.abs(h).sum(axis=1)[:, None]
     if not refuses:  # then the weights stay bounded
         assert size.max() * EPS < FLAT, f"weights of size {size.max():.0e}"
-    lost = LOST if isinstance(innermost(m), LeastSquares) else VISIBLE
+    lost = LOST if isinstance(innermost(m), LeastSquares | RBF) else VISIBLE
     assert size.max() * EPS < lost, f"no digits are left by weights of size {size.max():.0e}"
     grows = size * max(1.0, np.abs(exact).max(initial=0.0))
     reproduced = VISIBLE if refuses else FLAT
