@@ -186,7 +186,7 @@ def test_words_in_figures_are_set_in_the_fonts_of_the_report(face, look):
 
 @pytest.mark.parametrize("cells", [(1.0, 1.0), (2.0, 0.5)])
 def test_hillshade_is_the_cosine_between_normal_and_light(cells):
-    """Stretched to [0, 1]; a factor on the heights is that of heights in another unit."""
+    """Stretched to [0, 1]; a factor on the heights stands for heights in another unit."""
     y, x = np.mgrid[0:9.0, 0:12.0]
     heights = np.sin(x / 2) + 0.1 * y * x
     up, east = np.gradient(heights, *cells[::-1])
