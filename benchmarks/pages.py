@@ -65,7 +65,7 @@ def _compared(c: Mapping) -> tuple[str, ...]:
     met = "" if limit is None else f"{_ratio(limit)} ({_kept(c['ratio'] <= limit)})"
     spread = f"{_ratio(c['least'])}–{_ratio(c['most'])}"
     seconds = _cell(c["seconds"]), _cell(c["seconds_of_peer"])
-    return (c["what"], c["peer"], _ratio(c["ratio"]), spread, met, *seconds)
+    return (_separated(c["what"]), c["peer"], _ratio(c["ratio"]), spread, met, *seconds)
 
 
 def _ratio(number: float) -> str:
@@ -82,7 +82,15 @@ def _table(columns: Sequence[str], rows: Sequence[Sequence]) -> str:
 
 
 def _cell(value: object) -> str:
-    return f"{value:.3g}" if isinstance(value, float) else str(value)
+    if not isinstance(value, float):
+        return _separated(value)
+    three = f"{value:.3g}"
+    return f"{float(three):,.0f}" if 1e3 <= abs(value) < 1e6 else three
+
+
+def _separated(value: object) -> str:
+    """A text with commas between thousands: 1,000,000 sites."""
+    return re.sub(r"(?<![\d.,])\d{4,}(?![\d.])", lambda number: f"{int(number[0]):,}", str(value))
 
 
 def _listed(mapping: Mapping) -> str:
@@ -90,4 +98,4 @@ def _listed(mapping: Mapping) -> str:
 
 
 def _value(value: object) -> str:
-    return ", ".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
+    return ", ".join(map(str, value)) if isinstance(value, list | tuple) else _separated(value)

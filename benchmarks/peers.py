@@ -13,7 +13,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -79,6 +79,9 @@ class Size:
         ("terrain", (50_000,)),
     )
     repeats: int = 3
+    """Measurements in each process."""
+    rounds: int = 1
+    """Rounds, in which each method has its turn, in a new process."""
     methods: tuple[str, ...] = tuple(METHODS)
     elsewhere: tuple[tuple[str, str], ...] = ()
     """Comparisons, by what is measured and the other method, that another benchmark states."""
@@ -100,8 +103,8 @@ FULL = Size(
     elsewhere=tuple((_task(*one), peer) for one in LARGEST for peer in LARGEST_METHODS),
     kept=Path(__file__).parents[1] / "build" / "finished-peers.jsonl",
 )
-QUICK = Size(tuple((name, (10**3,)) for name, _ in Size.sites) + of_surveys(), 1)
-TOY = Size((("smooth", (60,)), ("terrain", (80,))), 1, (OURS, "SciPy LinearND"))
+QUICK = Size(tuple((name, (10**3,)) for name, _ in Size.sites) + of_surveys(), repeats=1)
+TOY = Size((("smooth", (60,)), ("terrain", (80,))), repeats=1, methods=(OURS, "SciPy LinearND"))
 
 
 @dataclass(frozen=True)
@@ -122,6 +125,16 @@ class Run:
     @property
     def total(self) -> list[float]:
         return [a + b for a, b in zip(self.fit, self.evaluate, strict=True)]
+
+    def and_then(self, later: Run) -> Run:
+        """Both in one: all seconds, the largest memory, and the errors, which are the same."""
+        return replace(
+            self,
+            fit=[*self.fit, *later.fit],
+            evaluate=[*self.evaluate, *later.evaluate],
+            cpu=[*self.cpu, *later.cpu],
+            memory=max(self.memory, later.memory),
+        )
 
     def row(self) -> tuple[str | int | float, ...]:
         fit, evaluate, total = map(median, (self.fit, self.evaluate, self.total))
@@ -151,22 +164,23 @@ def run(size: Size, track: Track) -> BenchmarkResult:
         if method in size.methods and c.takes(data, n)
     ]
     names = {" ".join(map(str, a)): a for a in asked}
-    runs: list[Run] = []
-    missing: list[str] = []
+    runs: dict[str, Run] = {}
+    missing: dict[str, str] = {}
     finished = FinishedRuns(size.kept)
-    for name in track([*names], "peers"):
-        done = finished.get(name)
-        if done is None:
+    for round_and_name in track([f"{i} {n}" for i in range(size.rounds) for n in names], "peers"):
+        name = round_and_name.split(maxsplit=1)[1]
+        done = finished.get(round_and_name)
+        if done is None and name not in missing:
             done = in_own_process(*names[name], repeats=size.repeats)
-            finished.add(name, done)
+            finished.add(round_and_name, done)
         if isinstance(done, str):
-            missing.append(done)
-        else:
-            runs.append(Run(**done))
+            missing[name] = done
+        elif done:
+            runs[name] = runs[name].and_then(Run(**done)) if name in runs else Run(**done)
     finished.forget()
     return BenchmarkResult(
         parameters={
-            "repeats": size.repeats,
+            "repeats": size.repeats * size.rounds,
             "patience in seconds": int(PATIENCE),
             "not repeated beyond seconds": int(ENOUGH),
             "niceness": os.nice(0),
@@ -175,10 +189,10 @@ def run(size: Size, track: Track) -> BenchmarkResult:
             c
             for data, sizes in size.sites
             for n in sizes
-            for c in _ratios(runs, data, n)
+            for c in _ratios([*runs.values()], data, n)
             if (c.what, c.peer) not in size.elsewhere
         ],
-        tables=[Table("Runs", COLUMNS, [r.row() for r in runs])],
+        tables=[Table("Runs", COLUMNS, [r.row() for r in runs.values()])],
         notes=[
             "As many queries as sites; of the terrain and of surveys (see `surveys`) all that were "
             "not drawn as sites. An error is "
@@ -187,7 +201,7 @@ def run(size: Size, track: Track) -> BenchmarkResult:
             "kept busy.",
             *([ELSEWHERE] if size.elsewhere else []),
             *([YIELDING] if os.nice(0) < 0 else []),
-            *(f"Did not end well: {what}." for what in missing),
+            *(f"Did not end well: {what}." for what in missing.values()),
         ],
     )
 

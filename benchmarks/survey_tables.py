@@ -61,10 +61,17 @@ class Survey:
 SURVEYS: Mapping[str, Survey] = {
     "Baja depth": Survey("baja-bathymetry.csv", "longitude", "latitude", "bathymetry_m"),
     "California velocity": Survey("california-gps.csv", "longitude", "latitude", "velocity_east"),
+    "California uplift": Survey("california-gps.csv", "longitude", "latitude", "velocity_up"),
     "Jura nickel": Survey("Jura.csv", "Xloc", "Yloc", "Ni"),
     "Meuse zinc": Survey("meuse.txt", "x", "y", "zinc"),
     "Rio magnetic": Survey("rio-magnetic.csv", "latitude", "longitude", "total_field_anomaly_nt"),
     "Texas temperature": Survey("texas-wind.csv", "longitude", "latitude", "air_temperature_c"),
+    "Texas wind to east": Survey(
+        "texas-wind.csv", "longitude", "latitude", "wind_speed_east_knots"
+    ),
+    "Texas wind to north": Survey(
+        "texas-wind.csv", "longitude", "latitude", "wind_speed_north_knots"
+    ),
     "Walker Lake": Survey("walker.csv", "X", "Y", "V"),
 }
 

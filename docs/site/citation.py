@@ -23,6 +23,10 @@ used.
 The file [`CITATION.cff`](files/CITATION.cff) has the same in the Citation File Format, which
 reference managers and code hosts read.
 
+For a proof, a comparison or a figure, please cite the report, with the date on its first page:
+
+> {authors}: *{report}*. Report of fieldrecon, version {version}.
+
 ## Sources
 
 Please cite the works whose methods you use. The library follows
@@ -36,10 +40,12 @@ Each page of the reference names the work and the page that its formula comes fr
 def page(root: Path) -> str:
     """Return the page in Markdown."""
     cited = yaml.safe_load((root / "CITATION.cff").read_text(encoding="utf-8"))
+    report = (root / "report" / "metadata.yaml").read_text(encoding="utf-8")
     authors = " and ".join(author["name"] for author in cited["authors"])
     return PAGE.format(
         authors=authors,
         title=cited["title"],
+        report=yaml.safe_load(report)["title"],
         version=cited["version"],
         license=cited["license"],
         references="\n".join(f"- {reference(work)}" for work in cited["references"]),

@@ -46,6 +46,8 @@ NAME = re.compile(r"(?<!`)`fr\.([\w.]+)`(?!`)")
 CHAPTER = re.compile(r"(?<![*\[])\*([^*\n]+)\*(?![*\]])")
 """A name in italics, which may be that of a chapter."""
 TITLE = re.compile(r'<h2[^>]*>(?:<span class="secno">.*?</span>)?\s*([^<]*)</h2>')
+KIND = re.compile(r'<section[^>]* class="level2 (part|appendix)\b')
+"""Begins a part of the report, or is one of its appendices."""
 PICTURES = {".png", ".svg"}
 
 
@@ -71,9 +73,22 @@ def report_pages(folder: Path) -> dict[str, bytes]:
     """Return the chapters of the report and their contents."""
     names = json.loads((folder / "contents.json").read_text(encoding="utf-8"))
     chapters = {f"report/{name}.chapter": (folder / f"{name}.html").read_bytes() for name in names}
-    listed = "\n".join(names)
-    contents = f"{REPORT_INDEX}\n```{{toctree}}\n:maxdepth: 1\n\n{listed}\n```\n"
-    return {"report/index.md": contents.encode(), **chapters}
+    groups: dict[str, list[str]] = {"": []}
+    for name, chapter in zip(names, chapters.values(), strict=True):
+        found = KIND.search(chapter.decode())
+        kind = found[1] if found else ""
+        if kind in ("part", "appendix"):
+            title = title_of(folder / f"{name}.html") if kind == "part" else "Appendices"
+            groups.setdefault(title, [])
+        groups[[*groups][-1]].append(name)
+    contents = [REPORT_INDEX, *(listed(title, some) for title, some in groups.items())]
+    return {"report/index.md": "\n".join(contents).encode(), **chapters}
+
+
+def listed(title: str, names: list[str]) -> str:
+    """Return a list of chapters below the title of their part."""
+    heading = f"## {title}\n\n" if title else ""
+    return f"{heading}```{{toctree}}\n:maxdepth: 1\n\n" + "\n".join(names) + "\n```\n"
 
 
 def named_chapters(text: str, folder: Path) -> str:

@@ -15,7 +15,7 @@ end
 
 -- Citations that are not found stop pandoc at once, so all other problems go before them.
 local function finish(doc)
-  return problems.hand_on(doc) or pandoc.utils.citeproc(doc)
+  return problems.hand_on(doc) or require 'undated' (pandoc.utils.citeproc(doc))
 end
 
 return {

@@ -56,6 +56,7 @@ WHOLE = r"""# First {#sec:first}
 
 See [@fig:bumps; @fig:far], @tbl:errors, @tbl:which, @eq:one, [-@eq:two], @sec:first, @sec:inner,
 @app:more, @thm:one, [@exr:one]{.with-page}, @lst:one and [@wendland2005, chapter 8].
+The slides of @erleben; @erleben [p. 39]; the slides [@erleben, p. 3-4].
 
 Prose: {{bumps.small:.1e}}, {{bumps.ratio:.1f}}, {{bumps.count}}, {{bumps.rounding:.0e}},
 {{bumps.word}}, {{bumps.order_one:.0e}}, {{bumps.one_digit:.0e}},
@@ -283,6 +284,13 @@ def test_a_reference_with_its_page_has_the_page_in_print_only(page, typ):
     assert re.search(r"#link\(<exr:one>\)\[Exercise.1\.1\]\s*#page-of\(<exr:one>\)", typ)
     assert typ.count("#page-of(<exr:one>)") == 1
     assert "page-of" not in page
+
+
+def test_a_work_without_a_date_is_cited_by_its_author_and_the_page(page):
+    text = html.unescape(re.sub(r"<[^>]+>", "", page))
+    cited = "slides of Erleben; Erleben (p.\u00a039); the slides (Erleben, p.\u00a03–4)."
+    assert cited in re.sub(r"[ \n]+", " ", text)
+    assert page.count('href="#ref-erleben"') == 3
 
 
 def test_internal_links_have_targets(page, typ):

@@ -1,4 +1,4 @@
-"""Points that coincide: rows of an array that are equal in every coordinate."""
+"""Points that coincide: rows of an array that are equal in every coordinate; points in order."""
 
 from __future__ import annotations
 
@@ -13,11 +13,7 @@ def first_of_equal(points: np.ndarray) -> np.ndarray:
     """
     height = heights(points)
     order = np.argsort(height)
-    level = height[order[1:]] == height[order[:-1]]
-    beside = np.zeros(len(points), dtype=bool)
-    beside[1:] |= level
-    beside[:-1] |= level
-    tied = order[beside]
+    tied = order[_beside_equal(height[order])]
     first = np.arange(len(points))
     if len(tied):
         tied = tied[np.lexsort((tied, *points[tied].T))]
@@ -34,6 +30,30 @@ def coincidence_labels(points: np.ndarray) -> np.ndarray:
     """
     first = first_of_equal(points)
     return (np.cumsum(first == np.arange(len(first))) - 1)[first]
+
+
+def by_position(points: np.ndarray) -> np.ndarray:
+    """Indices that sort points (n, d) by the first coordinate, then by the second, and so on.
+
+    That is `np.lexsort(points.T[::-1])`, in a fraction of its time: few coordinates are equal.
+
+    >>> by_position(np.array([[1.0, 2.0], [0.0, 3.0], [1.0, 0.0]])).tolist()
+    [1, 2, 0]
+    """
+    order = np.argsort(points[:, 0])
+    beside = _beside_equal(points[order, 0])
+    tied = order[beside]
+    order[beside] = tied[np.lexsort((tied, *points[tied].T[::-1]))]
+    return order
+
+
+def _beside_equal(ordered: np.ndarray) -> np.ndarray:
+    """Whether each of the sorted numbers (n,) is equal to the one before it or after it."""
+    equal = ordered[1:] == ordered[:-1]
+    beside = np.zeros(len(ordered), dtype=bool)
+    beside[1:] |= equal
+    beside[:-1] |= equal
+    return beside
 
 
 def heights(points: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fieldrecon._core.duplicates import by_position
 from fieldrecon._core.validation import as_count
 
 _GROUP = 2**18  # queries that are ordered together
@@ -157,7 +158,7 @@ class Nearest:
     local = True
 
     def __init__(self, sites: np.ndarray, k: int) -> None:
-        self._order = np.lexsort(sites.T[::-1])
+        self._order = by_position(sites)
         self._tree = cKDTree(sites[self._order])
         self._k = k
 

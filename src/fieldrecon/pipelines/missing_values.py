@@ -47,17 +47,23 @@ def suspects(values: np.ndarray) -> list[Suspect]:
     [Suspect(value=-9999.0, times=2, others=(0.5, 1.0))]
     >>> suspects(np.array([0.0, 0.0, 0.5, 0.7, 1.0, 1.0]))
     []
+
+    The nodes of a lattice are equally far apart, so 99 is no mark here:
+
+    >>> suspects(np.tile([0.0, 33.0, 66.0, 99.0], 4))
+    []
     """
     distinct, counts = np.unique(values, return_counts=True)
     found: list[Suspect] = []
     low, high = 0, len(distinct) - 1
     while high - low >= _LEAST_OTHERS:
         inner = distinct[high - 1] - distinct[low + 1]
+        step = np.median(np.diff(distinct[low + 1 : high]))
         gaps = {low: distinct[low + 1] - distinct[low], high: distinct[high] - distinct[high - 1]}
         end = max(gaps, key=lambda k: gaps[k])
         usual, repeated = abs(distinct[end]) in _USUAL, counts[end] > 1
         far = (_BESIDE if repeated else _APART) if usual else _FAR
-        if not gaps[end] > far * inner or not (usual or repeated):
+        if not gaps[end] > max(far * inner, 2 * step) or not (usual or repeated):
             break
         found.append(Suspect(float(distinct[end]), int(counts[end]), (0.0, 0.0)))
         low, high = (low + 1, high) if end == low else (low, high - 1)

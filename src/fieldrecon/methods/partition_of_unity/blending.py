@@ -22,6 +22,7 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fieldrecon._core.chunks import Progress, progress_after, report_all, split_progress
+from fieldrecon._core.duplicates import by_position
 from fieldrecon._numerics.jets import composition, product, quotient, rows_of_jet
 from fieldrecon._numerics.kd_partition import KDPartition
 from fieldrecon.methods.partition_of_unity.ball_weights import COVERED, bump
@@ -157,15 +158,15 @@ def _new_arrangements(
     points: np.ndarray, k: int, executor: Executor | None, steps: Iterator[Progress | None]
 ) -> Iterator[Arrangement]:
     """Yield the patches of each level."""
-    sites = np.lexsort(points.T[::-1])  # so that their order does not matter where distances tie
+    sites = by_position(points)  # so that their order does not matter where distances tie
     while True:
-        own_k = _patch_size(points[sites], k, finest=len(sites) == len(points))
+        own = points[sites]
+        own_k = _patch_size(own, k, finest=len(sites) == len(points))
         alone = own_k == len(sites)
         size = len(sites) if alone else max(1, SITES_PER_BOX * own_k)
-        boxes = KDPartition.around(points[sites], size, executor, next(steps))
+        boxes = KDPartition.around(own, size, executor, next(steps))
         boxes, order = boxes.in_order()
-        sites = sites[order]
-        own = points[sites]
+        sites, own = sites[order], own[order]
         tree = cKDTree(own)
         covering, reaching = next(steps), next(steps)
         patches = (

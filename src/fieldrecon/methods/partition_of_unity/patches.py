@@ -266,7 +266,8 @@ def _outliers(points: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     """
     low, high = points[chosen].min(axis=0), points[chosen].max(axis=0)
     extremes = np.stack([points.argmin(axis=0), points.argmax(axis=0)])
-    beyond = np.stack([low - points.min(axis=0), points.max(axis=0) - high])
+    least, most = np.take_along_axis(points, extremes, axis=0)
+    beyond = np.stack([low - least, most - high])
     return extremes[beyond > (high - low) / 2]
 
 
