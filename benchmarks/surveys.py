@@ -58,7 +58,7 @@ class Size:
     """Of surveys of fewer than 1000 samples, whose splits differ more."""
     samples: int = 2500
     """Of a larger survey, so many samples in its middle are measured, and the whole survey."""
-    splits_of_whole: int = 2
+    splits_of_whole: int = 5
 
     def of(self, count: int) -> int:
         """Number of splits of a survey with this number of samples."""

@@ -4,6 +4,11 @@ Leave-one-out residuals estimate the error at a query only if the query is as fa
 as these are from each other. Along the tracks of a ship they are not: the next sample is near, and
 the next track is far. So each held-out sample takes the distance of a query: all samples within
 this distance of it are left out of the fit as well. This is nearest-neighbour distance matching.
+
+Between tracks this is not enough. A hole along a track has samples on both sides that show the
+slope across it, up to its edges; the tracks beside a query do not. And a query near a track has the
+next samples beyond the whole gap. So each held-out sample takes the width of the gap, too: on the
+side opposite to the nearest sample that is fitted, the next one is as far as for the query.
 Several samples with their neighbourhoods, far enough apart, are held out at once, so that a few
 fits suffice for many samples.
 
@@ -30,12 +35,16 @@ EXCLUDED = 0.2
 VICINITY = 0.05
 """Fraction of the samples, the nearest to a query, from which its held-out sample is drawn."""
 _LEAST_VICINITY = 16
+_NEAREST = 32  # neighbours among which one on the other side is sought first
 _DRAWS = 4  # largest mean number of draws of a sample
 _BIASED = 0.1  # tolerated difference of the radii of draws with room from those of all draws
 _LEAST_DRAWS = 25  # number that is placed as far as there is room
 _FEWER = 0.8  # part of the draws that is kept if the difference is larger
 _FEW_DRAWS, _NEARER = 50, 0.98  # number of draws of which the nearer part is kept instead
 _APART = 1.5  # no held-out samples of a fold have common neighbours within this many distances
+_WIDER = 1.5  # mean width of gaps at queries, by that at samples, from which it is matched, too
+_OPPOSITE = -0.5  # cosine of the angle to the nearest sample below which one is on the other side
+_GAPS_OF = 1000  # samples whose gaps are measured
 _QUANTILES = np.linspace(0.0, 1.0, 201)
 
 
@@ -129,7 +138,9 @@ def distance_matched_folds(
 
     For a query drawn at random, a sample is drawn from its vicinity, the twentieth of the samples
     that is nearest to it. The sample is held out, and all samples that are nearer to it than the
-    distance of a query are excluded from the fit. The distances come from the drawn queries;
+    distance of a query are excluded from the fit. If the gaps about queries are on the mean 1.5
+    times as wide as those about samples, so are samples on the other side, up to the width of the
+    gap of the query, see `gap_widths`. The distances come from the drawn queries;
     where samples are sparse, they are given the larger ones. A fold excludes at most a fifth of the
     samples; a query too far for that is left out, and the largest of the `held_out_distances` is
     the distance up to which errors are known. If all queries are too far, nothing but the held-out
@@ -173,36 +184,88 @@ def distance_matched_folds(
     tree = cKDTree(points)
     if x is None:
         center = rng.permutation(len(points))[:max_held_out]
-        radius = np.zeros(len(center))
+        radius = gap = np.zeros(len(center))
     else:
         x = valid.as_queries(x, points.shape[1])
         count = min(max_held_out, _DRAWS * len(points))
         drawn = np.resize(rng.permutation(len(x))[:count], count if len(x) else 0)
-        center, radius = _neighborhoods(tree, x[drawn], rng)
+        center, radius, gap = _neighborhoods(tree, x[drawn], rng)
     most = max(1, int(EXCLUDED * len(points)))
     reached = tree.query_ball_point(points[center], radius, return_length=True) <= most
-    if not reached.any():
+    triples = zip(center[reached], radius[reached], gap[reached], strict=True)
+    draws = [_Draw.of(tree, *triple) for triple in triples]
+    draws = [draw for draw in draws if len(draw.excluded) <= most]
+    if not draws:
         return distance_matched_folds(points, None, n_folds, max_held_out, seed=seed)
-    draws = [_Draw.of(tree, i, r) for i, r in zip(center[reached], radius[reached], strict=True)]
     return _packed(draws, len(points), n_folds, most)
+
+
+def gap_widths(points: np.ndarray, x: np.ndarray, skipped: int = 0) -> np.ndarray:
+    """Widths (m,) of the gaps about queries (m, d).
+
+    That is the distance from the nearest sample, plus that from the nearest one on the other side.
+    If none is there, it is twice the distance from the nearest one.
+
+    Parameters
+    ----------
+    points : (n, d) ndarray
+        Samples.
+    x : (m, d) ndarray
+        Queries.
+    skipped : int
+        1 if the queries are samples, of which each is not its own neighbour.
+
+    Examples
+    --------
+    >>> gap_widths(np.array([[0.0], [4.0]]), np.array([[1.0], [-1.0]])).tolist()
+    [4.0, 2.0]
+    """
+    tree, width = cKDTree(points), np.empty(len(x))
+    left, k = np.arange(len(x)), _NEAREST
+    while len(left):
+        k = min(k, tree.n)
+        distance, index = tree.query(x[left], [*range(1 + skipped, 1 + k)])
+        offset = tree.data[index] - x[left, None, :]
+        along = np.einsum("mkd,md->mk", offset, offset[:, 0])
+        beyond = along < _OPPOSITE * distance * distance[:, :1]
+        first = np.take_along_axis(distance, beyond.argmax(axis=1)[:, None], axis=1)[:, 0]
+        known = beyond.any(axis=1)
+        width[left] = distance[:, 0] + np.where(known, first, distance[:, 0])
+        left = left[~known & (k < tree.n)]
+        k *= 4
+    return width
 
 
 def _neighborhoods(
     tree: cKDTree, x: np.ndarray, rng: np.random.Generator
-) -> tuple[np.ndarray, np.ndarray]:
-    """Samples of the vicinities of queries, and the distances of the queries from the nearest one.
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Samples of the vicinities of queries, and distances and gaps of the queries.
 
     The distances are given to the samples in the order of their own distances from the others:
-    if both have one distribution already, nothing but the sample itself is excluded.
+    if both have one distribution already, nothing but the sample itself is excluded. Each distance
+    comes with the width of the gap of its query, or with twice the distance if the gaps of the
+    queries are not wider than those of samples.
     """
     n = tree.n
     rank = rng.integers(1, max(int(VICINITY * n), min(_LEAST_VICINITY, n)) + 1, len(x))
     center = np.array([tree.query(q, [k])[1][0] for q, k in zip(x, rank, strict=True)], dtype=int)
     own = tree.query(tree.data[center], [2])[0][:, 0]
-    radius = np.empty(len(x))
-    radius[np.argsort(own, kind="stable")] = np.sort(tree.query(x)[0])
+    distance = tree.query(x)[0]
+    ascending = np.argsort(distance, kind="stable")
+    radius, gap = np.empty(len(x)), np.empty(len(x))
+    of_own = np.argsort(own, kind="stable")
+    radius[of_own], gap[of_own] = distance[ascending], _gaps(tree, x, distance)[ascending]
     order = rng.permutation(len(x))  # the radii of equal distances are sorted
-    return center[order], radius[order]
+    return center[order], radius[order], gap[order]
+
+
+def _gaps(tree: cKDTree, x: np.ndarray, distance: np.ndarray) -> np.ndarray:
+    """The widths of gaps that the samples held out for the queries (m, d) shall have."""
+    points = np.asarray(tree.data)
+    some = points[:: -(-len(points) // _GAPS_OF)]
+    width = gap_widths(points, x)
+    wider = width.mean() > _WIDER * gap_widths(points, some, 1).mean() if len(points) > 1 else False
+    return width if wider else 2 * distance
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,12 +278,21 @@ class _Draw:
     touched: np.ndarray
 
     @classmethod
-    def of(cls, tree: cKDTree, center: int, radius: float) -> _Draw:
-        near = np.array(tree.query_ball_point(tree.data[center], _APART * radius), dtype=int)
-        distance = np.linalg.norm(tree.data[near] - tree.data[center], axis=1)
-        excluded = near[distance < _closest_to(radius, distance)]
+    def of(cls, tree: cKDTree, center: int, radius: float, gap: float) -> _Draw:
+        """Exclude all samples within the radius, and within the gap on the other side."""
+        reach = _APART * max(radius, gap - radius)
+        near = np.array(tree.query_ball_point(tree.data[center], reach), dtype=int)
+        offset = tree.data[near] - tree.data[center]
+        distance = np.linalg.norm(offset, axis=1)
+        own = distance <= _APART * radius
+        inner = distance < _closest_to(radius, distance[own])
+        nearest = offset[np.argmin(np.where(inner, np.inf, distance))]
+        along = offset @ nearest
+        beyond = along < _OPPOSITE * distance * np.linalg.norm(nearest)
+        excluded = near[inner | beyond & (distance < gap - radius)]
+        touched = near[own | beyond & (distance < gap - radius)]
         return cls(
-            int(center), float(radius), np.union1d(excluded, center), np.union1d(near, center)
+            int(center), float(radius), np.union1d(excluded, center), np.union1d(touched, center)
         )
 
 

@@ -61,14 +61,14 @@ def test_the_distance_of_distributions_is_the_wasserstein_distance():
 def test_whole_lines_are_matched_and_leave_one_out_is_not(ratio):
     """Queries on lines without samples are 50 or 5 times as far as the next sample of a line."""
     own, folds = differences(*whole_lines(tracks(ratio)))
-    assert folds < 0.1 < 0.75 < own
+    assert folds < 0.15 < 0.75 < own
 
 
 def test_a_grid_between_tracks_is_matched_and_by_leave_one_out_it_is_not():
     """Nodes of a grid lie between the lines."""
     nodes = np.stack(np.meshgrid(*2 * (np.linspace(0.03, 0.97, 60),)), axis=-1).reshape(-1, 2)
     own, folds = differences(tracks(50), nodes)
-    assert folds < 0.1 < 0.75 < own
+    assert folds < 0.15 < 0.75 < own
 
 
 @pytest.mark.slow

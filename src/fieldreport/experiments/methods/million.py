@@ -68,8 +68,9 @@ def _against(
     here = {r["method"]: r for r in found if r["data"] == data}
     ours, theirs = here[USUAL], here[RIVAL]
     yield f"{data}_sites", ours["sites"]
-    yield f"{data}_times", 1 / comparison["ratio"]
-    yield f"{data}_verdict", "reached" if 1 / comparison["ratio"] >= wanted else "missed"
+    times = comparison["seconds_of_peer"] / comparison["seconds"]  # of the medians, as in the text
+    yield f"{data}_times", times
+    yield f"{data}_verdict", "reached" if times >= wanted else "missed"
     yield f"{data}_seconds", comparison["seconds"]
     yield f"{data}_rival_seconds", comparison["seconds_of_peer"]
     yield f"{data}_cpu_times", theirs["cpu s"] / ours["cpu s"]
