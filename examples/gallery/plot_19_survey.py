@@ -34,32 +34,31 @@ for sentence in survey.warnings:
     print("-", sentence)
 
 # %%
-# The map
-# -------
-# It is pale where the field is extrapolated: farther from the samples than any held-out sample was.
-
-survey.plot()
-
-# %%
-# Is the error true?
-# ------------------
-# ``predict`` returns values, the 95 % band of their errors and the mark of extrapolation at any
-# points: here at all nodes between the first and the last track.
+# The map, and is its error true?
+# -------------------------------
+# ``survey.plot()`` draws the map in a notebook. ``predict`` returns values, the 95 % band of their
+# errors, and the mark of extrapolation at any points: here at all nodes between the first track and
+# the last.
 
 between = node[10:151, 20:160]
 x, truth = land.points[between], land.height.ravel()[between]
 values, error, extrapolated = survey.predict(x)
 miss = np.abs(values - truth)
 print(f"root mean square error: {np.sqrt(np.mean(miss**2)):.1f} m")
-print(f"covered by the band: {np.mean(miss <= error):.1%}; extrapolated: {extrapolated.any()}")
+print(f"within the band: {np.mean(miss <= error):.1%}")
+print(f"extrapolated, too far from the samples: {np.mean(extrapolated > 0):.1%}")
 
-figure, axes = plt.subplots(1, 2, figsize=(8.4, 4.0), layout="constrained", sharey=True)
-top = np.quantile(error, 0.99)
-for each, (title, shown) in zip(axes, {"true error": miss, "band": error}.items(), strict=True):
-    drawn = each.pcolormesh(*np.moveaxis(x, -1, 0) / 1000, shown, vmin=0, vmax=top, cmap="viridis")
+figure, axes = plt.subplots(1, 3, figsize=(10.5, 4.6), layout="constrained", sharey=True)
+km = np.moveaxis(x, -1, 0) / 1000
+height_map = axes[0].pcolormesh(*km, values, cmap="viridis", rasterized=True)
+axes[0].plot(*points.T / 1000, ".", color="white", markersize=0.8)
+figure.colorbar(height_map, ax=axes[0], label="height [m]", location="bottom")
+for each, shown in zip(axes[1:], (miss, error), strict=True):
+    errors = each.pcolormesh(*km, shown, vmin=0, vmax=150, cmap="magma", rasterized=True)
+figure.colorbar(errors, ax=axes[1:], label="error [m]", location="bottom", extend="max")
+for each, title in zip(axes, ("map and samples", "true error", "95 % band"), strict=True):
     each.set(xlabel="x [km]", title=title, aspect="equal")
 axes[0].set_ylabel("y [km]")
-figure.colorbar(drawn, ax=axes, label="error of the height [m]", extend="max", shrink=0.8)
 
 # %%
 # What is left to do
