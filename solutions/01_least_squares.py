@@ -188,8 +188,8 @@ print("residual:", three_b @ three_c - three_values)
 # %% [markdown]
 # ### 01.2 The coefficients
 #
-# Write a function that returns the coefficients $\mathbf{c}$ of the best fit. The solution of (1.4)
-# is unique for all inputs.
+# Write a function that returns the coefficients $\mathbf{c}$ of the best fit. For all
+# inputs of the check the solution of (1.4) is unique.
 #
 # <details><summary>Hint</summary>
 #

@@ -229,8 +229,9 @@ check("04.1")
 # Write a function that returns the rank of $\mathbf{B}'$. It must depend neither on the position of
 # the origin nor on the unit of length. All normals are unit vectors.
 #
-# Rounding turns zero singular values into small ones. Scale the points to size one, with the same
-# factor for all coordinates, and count singular values of $\mathbf{B}'$ below $10^{-9}$ as zero.
+# Rounding turns zero singular values into small ones. Scale the points, with the same factor
+# for all coordinates, such that their extent is about one, and count singular values of
+# $\mathbf{B}'$ below $10^{-9}$ as zero.
 # The number of samples is arbitrary. The points may be on a line, and several samples may share a
 # point, but not all points are equal.
 #
@@ -548,10 +549,10 @@ check("04.6")
 # Write the rank on the right-hand side of (4.6).
 #
 # As in 04.2 the rank must depend neither on the origin nor on the unit of length. Scale the
-# vertices to size one before you form the squares, and count singular values below $10^{-9}$ as
-# zero. There are two vertices or more. They may even be on a line, although no star is. Their
-# extents in $x$ and in $y$ are of similar size. So you may divide both coordinates by the same
-# number, or each coordinate by its own.
+# vertices to an extent of about one before you form the squares, and count singular values below
+# $10^{-9}$ as zero. There are two vertices or more. They may even be on a line, although no star
+# is. Their extents in $x$ and in $y$ are of similar size. So you may divide both coordinates by the
+# same number, or each coordinate by its own.
 
 
 # %% question="04.7" minutes=15

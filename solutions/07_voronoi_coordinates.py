@@ -490,7 +490,7 @@ check("07.6")
 # $$ f(\mathbf{x}) = \sum_a \omega_a(\mathbf{x})\, \phi_a . \tag{7.8} $$
 #
 # Write a function that evaluates it at many points, for any number $N$ of corners. The points lie
-# inside the cell and outside, but not on a line through an edge.
+# inside the cell and outside, but not on a line through an edge, nor where the weights sum to zero.
 
 
 # %% question="07.7" minutes=10

@@ -568,9 +568,9 @@ def from_every_corner(b):
 # $$ \omega_a = \frac{c_a}{\sum_e c_e}, \qquad c_a(\mathbf{x}) = V_a \prod_{b \,\notin\, \{j, k,
 #    m\}} h_b(\mathbf{x}) . \tag{8.6} $$
 #
-# Write a function that returns these coordinates for many points. In the worked example
-# $c = \tfrac43 \cdot 3 \cdot 2 \cdot 2 = 16$ for four corners and
-# $\tfrac43 \cdot 1 \cdot 2 \cdot 2 = \tfrac{16}{3}$ for the other four.
+# Write a function that returns these coordinates for many points, at which the sum is not zero. In
+# the worked example $c = \tfrac43 \cdot 3 \cdot 2 \cdot 2 = 16$ for four corners and $\tfrac43
+# \cdot 1 \cdot 2 \cdot 2 = \tfrac{16}{3}$ for the other four.
 
 
 # %% question="08.10" minutes=15

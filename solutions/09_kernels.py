@@ -333,11 +333,11 @@ def both_sides(k):
 # most $n$ that vanish at all points. For unisolvent points this number is zero.
 #
 # The number does not depend on the origin of the coordinates or on the unit of length, but the
-# rounding errors do. In a small box $x_1^2$ is tiny compared to the monomial 1. Far from the
-# origin the columns of $\mathbf{P}$ are nearly multiples of each other. So first shift the points
-# to the mean zero, and divide them by their size, such as the largest absolute value of a
-# coordinate. Then treat singular values of $\mathbf{P}$ of at most $10^{-10}$ times the largest one
-# as zero. With fewer points than columns there are fewer singular values than columns.
+# rounding errors do. In a small box $x_1^2$ is tiny compared to the monomial 1. Far from the origin
+# the columns of $\mathbf{P}$ are nearly multiples of each other. So first shift the points to the
+# mean zero, and divide all coordinates by one number, their size, such as the largest absolute
+# value of a coordinate. Then treat singular values of $\mathbf{P}$ of at most $10^{-10}$ times the
+# largest one as zero. With fewer points than columns there are fewer singular values than columns.
 #
 # <details><summary>Hint</summary>
 #

@@ -148,7 +148,7 @@ print(cubes + 1.5)
 # ### 10.1 From truncated powers to distances
 #
 # Derive $a_j$, $b_0$ and $b_1$ from $\alpha_j$, $\beta_0$ and $\beta_1$ on paper. Then write the
-# function.
+# function. No two sites are equal.
 #
 # <details><summary>Hint</summary>
 #

@@ -259,8 +259,8 @@ def estimated(k, noise):
 #
 # ### 11.2 Neighbourhood graph
 #
-# Return $g$. There are at least $K$ points. The unit of length may be any, and the cloud may be far
-# from the origin.
+# Return $g$. There are at least $K$ points, and no two neighbours are equally far from a point. The
+# unit of length may be any, and the cloud may be far from the origin.
 
 
 # %% question="11.2" minutes=15
@@ -450,8 +450,8 @@ def oriented(k):
 # ### 11.4 Distances of the off-surface points
 #
 # Return $\delta$ and $\delta'$ for each point. Each side has its own test. The normals have the
-# length 1, and the unit of length may be any. No two points of the cloud are equal, and no tested
-# point has two nearest points.
+# length 1, and the unit of length may be any. The distance is positive. The cloud has two points or
+# more, of which no two are equal, and no tested point has two nearest points.
 
 
 # %% question="11.4" minutes=20

@@ -494,8 +494,9 @@ check("12.6")
 #
 # ### 12.7 The slopes
 #
-# Return the derivatives $\mathbf{G}^k$, in any dimension. In (12.2) only $\mathbf{b}$ depends on
-# $\mathbf{y}$. Its derivative with respect to the coordinate $y_k$ has the entries
+# Return the derivatives $\mathbf{G}^k$, in any dimension and any unit of length. In (12.2) only
+# $\mathbf{b}$ depends on $\mathbf{y}$. Its derivative with respect to the coordinate $y_k$ has the
+# entries
 #
 # - $3 \lVert \mathbf{y} - \mathbf{x}_j \rVert\, (y_k - x_{jk})$ for $j = 1, \dots, N$,
 # - then 0, the derivative of the entry 1,

@@ -648,7 +648,7 @@ check("13.8")
 # <details><summary>Hint</summary>
 #
 # There are two ways. Bisection: $\lambda$ lies between $\min_j (u_j^{\min} - \tilde u_j)$ and
-# $\max_j (u_j^{\max} - \tilde u_j)$; halve this interval sixty times. Or exactly: at which
+# $\max_j (u_j^{\max} - \tilde u_j)$; halve this interval a hundred times. Or exactly: at which
 # $\lambda$ does the slope of the mass change? Compute the masses there, and use `np.interp`.
 #
 # </details>

@@ -529,11 +529,11 @@ def loops_and_fans():
 #
 # ### 14.6 Orientation
 #
-# Return $+1$ for each triangle that stays and $-1$ for each triangle that must be inverted, so
-# that all neighbours agree. A *part* is a maximal set of triangles connected across edges. The
-# triangle of each part that is first in the list stays. If a part is not orientable, return 0 for
-# all its triangles. No edge has more than two triangles, and a part may have thousands of
-# triangles. The points are an argument too: are they needed?
+# Return $+1$ for each triangle that stays and $-1$ for each triangle that must be inverted, so that
+# all neighbours agree. A *part* is a maximal set of triangles connected across edges, possibly a
+# single one. The triangle of each part that is first in the list stays. If a part is not
+# orientable, return 0 for all its triangles. No edge has more than two triangles, and a part may
+# have thousands of triangles. The points are an argument too: are they needed?
 #
 # <details><summary>Hint 1</summary>
 #
@@ -706,7 +706,8 @@ check("14.7")
 # For each of $K$ pairs of a segment and a triangle, return whether (14.5) holds. No triangle is
 # degenerate. No segment touches an edge or a corner of its triangle. Some segments end in the plane
 # of the triangle or lie in this plane. There (14.4) is zero, so the first condition does not hold.
-# By products and sums it is zero without rounding errors. `np.linalg.det` divides, and rounds.
+# In the check products and sums then give zero without rounding errors. `np.linalg.det` divides,
+# and rounds.
 # Pairs may be of any size, and far from the origin.
 #
 # <details><summary>Hint</summary>
