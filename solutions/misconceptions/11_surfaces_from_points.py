@@ -731,6 +731,12 @@ def one_step_only(x, sites, lam, c, steps):
 
 
 @answers("11.7")
+def one_step_too_many(x, sites, lam, c, steps):
+    """There is one step too many: for `steps` = 1 only the first one must be made."""
+    return stepped(x, sites, lam, c, steps + 1, lambda f, g: -f[:, None] * g / squares(g))
+
+
+@answers("11.7")
 def first_gradient_kept(x, sites, lam, c, steps):
     """F and its gradient were computed once, and all steps use them. Both must be evaluated again
     after each step.

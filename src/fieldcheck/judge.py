@@ -36,6 +36,12 @@ STEP = 1e-3
 SLIGHTLY = 0.01
 """A law that compares calls is hardly violated by such a part of the error of one of them."""
 
+NEAR = 10.0
+"""Errors of up to so many times the tolerance read like rounding errors."""
+
+CLEARLY = 10.0
+"""Beside stored values, which have twelve digits, a law must be violated so much more by others."""
+
 NOT_FINITE = (
     " NumPy says this of NaN or infinite entries: look for a division by zero before this line."
 )
@@ -130,7 +136,7 @@ def _failures(
         form = list(_form(question, calls[count], outcomes[count]))
         raised = outcomes[count].status == "raised"
         before = min(count, 1) if raised else count
-        wrong = _wrong_before(question, calls, outcomes, answers, before)
+        wrong = _wrong_before(question, calls, outcomes, answers, count, before)
         yield from wrong or [(finding, sentence, count) for finding, sentence in form]
         return
     yield from _wrong(question, calls, _values(question, calls, outcomes), answers)
@@ -151,12 +157,17 @@ def _wrong_before(
     outcomes: Sequence[Outcome],
     answers: Answers | None,
     count: int,
+    before: int,
 ) -> list[Failure]:
-    """Return the first wrong case among the first calls; the others have their right values."""
-    if answers is None or count == 0:
+    """Return the first wrong case of the first calls.
+
+    Laws are judged on the values of all calls before the failure of form, since a law that compares
+    calls may hold for these values; the calls after it have their right values.
+    """
+    if answers is None or before == 0:
         return []
     values = _values(question, calls[:count], outcomes[:count])
-    return list(_wrong(question, calls, [*values, *answers.right[count:]], answers))
+    return list(_wrong(question, calls, [*values, *answers.right[count:]], answers, before))
 
 
 def _values(question: Question, calls: Sequence[Call], outcomes: Sequence[Outcome]) -> list[Values]:
@@ -226,44 +237,78 @@ def _array_form(
 
 
 def _wrong(
-    question: Question, calls: Sequence[Call], values: Sequence[Values], answers: Answers | None
+    question: Question,
+    calls: Sequence[Call],
+    values: Sequence[Values],
+    answers: Answers | None,
+    before: int | None = None,
 ) -> Iterator[Failure]:
     """Yield a violated law and the first case that violates it, or else the first wrong case.
 
     Inputs begin with the plain cases, so the first one is the simplest. It is not passed over for a
-    later case with a violated law if it satisfies this law itself and is far off.
+    later case with a violated law if it satisfies this law itself and is far off. But cases at the
+    limit of the tolerance come last: they read like rounding errors.
+
+    With `before`, only the cases before it are reported, since some of the later values are the
+    stored ones; if none of them is wrong, neither is a law violated.
     """
-    violated = [law for law in question.laws if not _deviation(law, calls, values) <= law.tolerance]
     if answers is None:
-        for law in violated[:1]:
-            deviation = _deviation(law, calls, values)
+        amounts = ((law, _deviation(law, calls, values)) for law in question.laws)
+        for law, deviation in [a for a in amounts if not a[1] <= a[0].tolerance][:1]:
             yield "wrong", _joined(law.sentence, _off(deviation, law.tolerance)), None
         return
+    right = answers.right
     units = _units(question, calls, values, answers)
-    failed = [k for k, d in enumerate(units) if not max(map(_largest, d)) <= 1]
+    failed = [k for k, d in enumerate(units[:before]) if not max(map(_largest, d)) <= 1]
+    if before is not None and not failed:
+        return
+    failed.sort(key=lambda k: max(map(_largest, units[k])) <= NEAR)
     violated = [
         law
-        for law in violated
-        if law.of_each or not _is_hardly_violated(law, calls, values, answers.right, failed)
+        for law in question.laws
+        if _is_violated(law, calls, values, right, before)
+        and (law.of_each or not _is_hardly_violated(law, calls, values, right, failed))
     ]
     first = failed[0] if failed else None
     is_far_off = first is not None and max(map(_largest, units[first])) > FAR_OFF
     for index, law in product(failed, violated):
-        deviation = _deviation_alone(law, calls, values, answers.right, index)
-        if not deviation <= law.tolerance:
+        deviation = _deviation_alone(law, calls, values, right, index)
+        if not deviation <= (law.tolerance if law.of_each else _limit(law, calls, right)):
             if index != first and is_far_off and law.of_each:
                 violated = []
                 break
             text = law.amount and f"For {calls[index].case}, {law.amount.format(deviation)}."
-            text = text or _difference(question, calls[index], units[index], answers.right, index)
+            text = text or _difference(question, calls[index], units[index], right, index)
             yield "wrong", _joined(law.sentence, text), index
             return
     if violated:
         text = _off(_deviation(violated[0], calls, values), violated[0].tolerance)
         yield "wrong", _joined(violated[0].sentence, text), first
     elif first is not None:
-        text = _difference(question, calls[first], units[first], answers.right, first)
+        text = _difference(question, calls[first], units[first], right, first)
         yield "wrong", text, first
+
+
+def _is_violated(
+    law: Law,
+    calls: Sequence[Call],
+    values: Sequence[Values],
+    right: Sequence[Values],
+    before: int | None,
+) -> bool:
+    """Return whether the values violate a law; with `before`, some of the later ones are stored."""
+    if law.of_each:
+        return not _deviation(law, calls[:before], values[:before]) <= law.tolerance
+    limit = law.tolerance if before is None else _limit(law, calls, right)
+    return not _deviation(law, calls, values) <= limit
+
+
+def _limit(law: Law, calls: Sequence[Call], right: Sequence[Values]) -> float:
+    """Return the largest deviation that is explained by rounding, also by that of stored values.
+
+    Far from the origin, these have fewer digits of a small triangle than a law may need.
+    """
+    return max(law.tolerance, CLEARLY * _deviation(law, calls, right))
 
 
 def _largest(differences: np.ndarray) -> float:

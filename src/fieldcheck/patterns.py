@@ -95,6 +95,12 @@ class Case:
         limit = FAR_OFF * self.tolerance
         return any((~(np.abs(v - r) <= limit * scale(r))).any() for v, r in self.pairs)
 
+    @property
+    def is_exact(self) -> bool:
+        """Whether no value differs by more than a small part of the tolerance."""
+        limit = self.tolerance / FAR_OFF
+        return all((np.abs(v - r) <= limit * scale(r)).all() for v, r in self.pairs)
+
     def same(self, a: np.ndarray, b: np.ndarray) -> bool:
         """Return whether two arrays are equal within the tolerance."""
         return a.shape == b.shape and not self.differ(a, b).any()
@@ -184,18 +190,23 @@ def _are_single_whole_numbers(answers: Sequence[Values]) -> bool:
 def _where(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
     """Recognize a single wrong case, or a single right one.
 
-    The values zero are right by chance, and so may be those for the fewest points: two are always
-    neighbours, and one square may happen to have the right orientation.
+    The values zero are right by chance, and so may be a single number of something, those for the
+    fewest points, and values with an error: two points are always neighbours, one square may happen
+    to have the right orientation, and large coordinates hide small errors.
     """
     right = [case for case in cases if case not in wrong]
     if len(wrong) == 1 < len(cases):
         return f"{HERE} wrong only for {wrong[0].name}."
+    if not all(case.is_exact for case in right):
+        return ""
     if len(right) == 1:
         is_special = 0 < right[0].rows <= FEWEST_ROWS and all(
             case.rows > right[0].rows for case in wrong
         )
         is_zero = not any(r.any() for r in right[0].right)
-        return "" if is_special or is_zero else f"{HERE} right only for {right[0].name}."
+        is_number = _are_single_whole_numbers([case.right for case in cases])
+        is_chance = is_special or is_zero or is_number
+        return "" if is_chance else f"{HERE} right only for {right[0].name}."
     return _dimensions({case.dimension for case in right}, {case.dimension for case in wrong})
 
 
@@ -215,16 +226,19 @@ def _dimensions(right: set[int], wrong: set[int]) -> str:
 def _sizes(cases: Sequence[Case], wrong_cases: Sequence[Case]) -> str:
     """Recognize that all short tables are wrong and all long ones are right, or the opposite.
 
-    Small errors say nothing: whether they are above the tolerance is chance.
+    Small errors say nothing: whether they are above the tolerance is chance. Neither do right cases
+    of few points, which may just determine the coefficients, or one more, which may be special.
     """
-    right = {case.rows for case in cases if case not in wrong_cases}
-    wrong = {case.rows for case in wrong_cases}
+    right_cases = [case for case in cases if case not in wrong_cases]
+    right, wrong = ({case.rows for case in these} for these in (right_cases, wrong_cases))
     if not right or 0 in right | wrong or not all(case.is_far_off for case in wrong_cases):
+        return ""
+    if not all(case.is_exact for case in right_cases):
         return ""
     if len(right) == 1:
         return ""  # such as the triangles among polygons, which are special
-    if max(right) <= FEWEST_ROWS:
-        return ""  # so few points may just determine the coefficients
+    if sum(case.rows > FEWEST_ROWS for case in right_cases) < 2:
+        return ""
     if max(wrong) < min(right):
         these, others = f"{min(right)} or more", f"{max(wrong)} or fewer"
     elif max(right) < min(wrong):
@@ -290,8 +304,9 @@ def _factor(wrong: Sequence[Case]) -> str:
         return ""
     if max(entries) == 1 and len(wrong) < FEWEST_NUMBERS and not _named(factors[0]):
         return ""
-    if np.allclose(factors, factors[0], rtol=CLOSE) and _plausible(factors[0], wrong):
-        return f"The wrong values are the right ones {_times(factors[0])}."
+    k = factors[int(np.argmin([case.tolerance for case in wrong]))]
+    if _are_equal(factors, k, wrong) and _plausible(k, wrong):
+        return f"The wrong values are the right ones {_times(k)}."
     if min(entries) < 3:
         return ""
     # A case for each factor that reads differently; two of them show that it varies.
@@ -308,6 +323,12 @@ def _factor(wrong: Sequence[Case]) -> str:
         f"For {name}, the wrong values are the right ones {first}. "
         f"For {its_name}, they are the right ones {other}."
     )
+
+
+def _are_equal(factors: Sequence[float], k: float, wrong: Sequence[Case]) -> bool:
+    """Return whether factors are k, as far as the digits of the stored values show it."""
+    close = [max(CLOSE, case.tolerance) for case in wrong]
+    return bool((np.abs(np.subtract(factors, k)) <= abs(k) * np.array(close)).all())
 
 
 def _are_rounding(factors: Sequence[float]) -> bool:

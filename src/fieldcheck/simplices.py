@@ -33,9 +33,7 @@ def moved_far_away(calls: Sequence[Call], cases: Sequence[str]) -> tuple[Call, .
 
 def tolerance_far_away(call: Call) -> float:
     """Return the tolerance of a circumcentre relative to its simplex, which may be small."""
-    q = corners(call)
-    far = np.abs(q).max() > FAR / 2 * min(1.0, np.ptp(q, axis=0).max())
-    return STORED_DIGITS_FAR_AWAY if far else LEAST_TOLERANCE
+    return STORED_DIGITS_FAR_AWAY if _is_far(call) else LEAST_TOLERANCE
 
 
 def relative_to_a_corner(call: Call, values: Values) -> Values:
@@ -43,16 +41,33 @@ def relative_to_a_corner(call: Call, values: Values) -> Values:
     return (values[0] - corners(call)[0],)
 
 
+def _difference_of_distances(call: Call, values: Values) -> float:
+    """Return the largest difference between the distances to the corners."""
+    (p,) = values
+    distances = np.sqrt(np.square(corners(call) - p).sum(axis=1))
+    return relative(distances - distances.mean(), distances)
+
+
+def _is_far(call: Call) -> bool:
+    """Return whether squared coordinates have no digits left for the simplex."""
+    q = corners(call)
+    return bool(np.abs(q).max() > FAR / 2 * min(1.0, np.ptp(q, axis=0).max()))
+
+
+@law_of_each("A circumcentre must be equally far from all corners.", DIGITS_FAR_AWAY)
+def is_equally_far(call: Call, values: Values) -> float:
+    """Return the largest difference between the distances to the corners, near the origin."""
+    return 0.0 if _is_far(call) else _difference_of_distances(call, values)
+
+
 @law_of_each(
     "A circumcentre must be equally far from all corners, also far from the origin, where squares "
     "of coordinates lose digits.",
     DIGITS_FAR_AWAY,
 )
-def is_equally_far(call: Call, values: Values) -> float:
-    """Return the largest difference between the distances to the corners."""
-    (p,) = values
-    distances = np.sqrt(np.square(corners(call) - p).sum(axis=1))
-    return relative(distances - distances.mean(), distances)
+def is_equally_far_from_afar(call: Call, values: Values) -> float:
+    """Return the largest difference between the distances to the corners, far from the origin."""
+    return _difference_of_distances(call, values) if _is_far(call) else 0.0
 
 
 def is_halved(_: Sequence[Call], values: Sequence[Values]) -> float:

@@ -15,8 +15,9 @@ import pytest
 from matplotlib.axes import Axes
 
 import fieldcheck
+from checkout import ROOT
 from fieldcheck import answers, calls, figures, notebook, seeds
-from fieldcheck.answers import Answers, Mistake
+from fieldcheck.answers import Answers, Mistake, public_answers
 from fieldcheck.calls import Call, Outcome, perform
 from fieldcheck.failed_case import FailedCase
 from fieldcheck.judge import judge
@@ -26,6 +27,7 @@ from fieldcheck.questions import get, questions
 from fieldcheck.seeds import seed
 from fieldcheck.shapes import fitted
 from fieldcheck.verdict import FINDINGS, TITLES, Verdict
+from fieldgrade.authoring.build import all_sources
 
 
 def inputs(seed):
@@ -237,6 +239,93 @@ def test_an_error_hides_no_wrong_values_of_the_first_case(factors, finding):
     verdict = judge(replace(TWICE, inputs=lambda _: made), made, outcomes, right)
     assert verdict.finding == finding
     assert verdict.call == (0 if finding == "wrong" else len(factors) - 1)
+
+
+def near_and_far(first, last):
+    """The verdict on numbers near zero, far away, and not returned, beside rounded right ones.
+
+    The law on their differences needs more digits than are stored far away.
+    """
+    made = tuple(
+        Call("twice", (x,), f"case {k}")
+        for k, x in enumerate((np.arange(3.0), np.arange(3) + 1 / 3, 1e7 + np.arange(3) / 3))
+    )
+    spread = Law(
+        "Twice the numbers have twice the spread.",
+        lambda made, values: max(
+            abs(np.ptp(v) - 2 * np.ptp(c.arguments[0]))
+            for c, (v,) in zip(made, values, strict=True)
+        ),
+        1e-8,
+    )
+    stored = tuple((np.round(2 * call.arguments[0], 5),) for call in made)
+    outcomes = [
+        Outcome("returned", values=(first(made[0].arguments[0]),)),
+        Outcome("returned", values=(2 * made[1].arguments[0],)),
+        last,
+    ]
+    question = replace(TWICE, laws=(spread,), tolerance=lambda _: 1e-4)
+    return judge(question, made, outcomes, Answers(stored, ()))
+
+
+@pytest.mark.parametrize(
+    ("last", "finding"),
+    [
+        (Outcome("raised", error="ValueError: own error"), "exception"),
+        (Outcome("returned", values=(np.full(3, np.nan),)), "not finite"),
+        (Outcome("returned", values=(np.zeros(2),)), "shape"),
+    ],
+)
+def test_missing_digits_of_stored_values_violate_no_law(last, finding):
+    """They stand for values that are missing: right values before these satisfy all laws."""
+    assert near_and_far(lambda x: 2 * x, last).finding == finding
+    wrong = near_and_far(lambda x: 2 * x + 1, last)
+    assert wrong.sentence.startswith("For case 0, entry [0] is off by 1."), "the law holds"
+    assert near_and_far(lambda x: 3 * x, last).sentence.startswith("Twice the numbers have twice")
+
+
+def test_a_law_is_judged_on_the_values_of_all_cases_before_an_error():
+    """Equal wrong values satisfy a law that they violate beside right ones."""
+    equal = Law(
+        "The numbers must be equal.", lambda _, values: float(np.ptp([v[0] for (v,) in values[:2]]))
+    )
+    made = tuple(Call("twice", (np.ones(3),), f"case {k}") for k in range(3))
+    outcomes = [
+        *2 * [Outcome("returned", values=(np.array([5.0, 6, 7]),))],
+        Outcome("raised", error="ValueError: own error"),
+    ]
+    right = Answers(3 * ((2 * np.ones(3),),), ())
+    verdict = judge(replace(TWICE, laws=(equal,)), made, outcomes, right)
+    assert verdict.sentence.startswith("For case 0, entry [2] is off by 5.")
+
+
+def test_a_case_at_the_limit_of_the_tolerance_is_shown_last():
+    """It reads like a rounding error; other cases show the mistake."""
+
+    def added(large):
+        def function(x):
+            return 2 * x + (3e-9 if len(x) == 5 else large)
+
+        return verdict_of(function, known())
+
+    assert added(1.0).call == 1
+    assert added(3e-9).call == 0
+
+
+@pytest.mark.parametrize("number", sorted({name[:2] for name in questions()}))
+def test_the_solution_with_an_error_in_its_last_case_is_told_the_error(number):
+    """No law is quoted: stored right values, which stand for missing ones, have twelve digits."""
+    functions = next(s.functions() for s in all_sources(ROOT) if s.number == number)
+    for question in (q for q in questions().values() if q.notebook == number):
+        made = question.inputs(seed("", question.name))
+        outcomes = [
+            *perform(functions, made[:-1], 600.0),
+            Outcome("raised", error="ValueError: own error"),
+        ]
+        known = public_answers(number)[question.name]
+        verdict = judge(question, made, outcomes, known)
+        assert verdict.finding == "exception", (question.name, verdict.sentence)
+        assert "own error" in verdict.sentence
 
 
 @pytest.mark.parametrize(

@@ -402,12 +402,15 @@ def ranks_inputs(seed: int) -> tuple[Call, ...]:
     )
 
 
-@law(
+@law_of_each(
     "The rank must be between three and six: a ring has at least the three edges of a triangle, "
-    "and Bʹ has six columns."
+    "and Bʹ has six columns.",
+    amount="a rank is outside of these limits by {:.0f}",
 )
-def rank_between(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return float(max(np.any((r < 3) | (r > 6)) for (r,) in values))
+def rank_between(_: Call, values: Values) -> float:
+    """Return by how much the least or the largest rank is beyond its limit."""
+    (r,) = values
+    return float(max(3 - r.min(), r.max() - 6, 0))
 
 
 @law(

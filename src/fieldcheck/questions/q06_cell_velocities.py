@@ -13,6 +13,7 @@ from fieldcheck.simplices import (
     DIGITS_FAR_AWAY,
     FAR,
     is_equally_far,
+    is_equally_far_from_afar,
     relative_to_a_corner,
     tolerance_far_away,
 )
@@ -75,7 +76,7 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     near = calls_of(
         "outward_normals",
-        ((triangle(random, True, 3.0),), "a triangle, counter-clockwise"),
+        ((triangle(random, True, 3.0) + 5,), "a triangle, counter-clockwise"),
         ((triangle(random, False, 0.5),), "a smaller triangle, clockwise"),
         ((obtuse(random),), "an obtuse triangle"),
         ((along_the_axes(random),), "a triangle with two sides along the axes"),
@@ -357,7 +358,7 @@ QUESTIONS = (
         3,
         circumcentre_inputs,
         lambda _: ((2,),),
-        (is_equally_far, moves_along),
+        (is_equally_far, is_equally_far_from_afar, moves_along),
         tolerance_far_away,
         relative_to_a_corner,
     ),

@@ -8,6 +8,7 @@ from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, in
 from fieldcheck.question import Law, Question, law_of_each, relative
 from fieldcheck.simplices import (
     is_equally_far,
+    is_equally_far_from_afar,
     is_halved,
     moved_far_away,
     relative_to_a_corner,
@@ -226,7 +227,7 @@ QUESTIONS = (
         2,
         circumcenter_inputs,
         lambda _: ((2,),),
-        (is_equally_far,),
+        (is_equally_far, is_equally_far_from_afar),
         tolerance_far_away,
         relative_to_a_corner,
     ),

@@ -11,6 +11,7 @@ from fieldcheck.question import Law, Question, law, relative
 from fieldcheck.questions.q07_triangles import SMALL, small_simplices
 from fieldcheck.simplices import (
     is_equally_far,
+    is_equally_far_from_afar,
     is_halved,
     moved_far_away,
     relative_to_a_corner,
@@ -220,7 +221,7 @@ QUESTIONS = (
         2,
         circumcenter_inputs,
         lambda _: ((3,),),
-        (is_equally_far,),
+        (is_equally_far, is_equally_far_from_afar),
         tolerance_far_away,
         relative_to_a_corner,
     ),

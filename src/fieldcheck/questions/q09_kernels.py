@@ -47,9 +47,11 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
     apart[:4, 0], apart[4:, 1] = random.uniform(1, 2, 4), 2.0**-28 * random.uniform(1, 2, 5)
     whole, sides = random.integers(-9, 10, (6, 6)), random.integers(1, 10, (6, 2))
     turned = np.linalg.qr(random.normal(size=(7, 7)))[0]
-    alike = np.eye(4)  # its rows have one or two entries, so an elimination has no rounding errors
+    alike = np.eye(5)[
+        :, :4
+    ]  # its rows have one or two entries, so an elimination has no rounding errors
     alike[0, 1], alike[1, 1] = 1.0, 2.0**-35
-    form = random.normal(size=(4, 4))
+    form = random.normal(size=(5, 5))
     large = (turned * np.linspace(2e6, 9e6, 7)).dot(turned.T)
     cases = (
         (cube, ridges(plane, 1), "the cubes of nine distances, and linear conditions"),
@@ -226,7 +228,7 @@ def more_fields(random: np.random.Generator, *calls: Call) -> Iterator[Call]:
         yield Call(name, (points, values, 1, degree, x), f"{call.case}, k = 1 instead")
         other = 3 - degree
         yield Call(name, (points, values, k, other, x), f"{call.case}, the degree {other} instead")
-    for n, k, degree in ((1, 1, 0), (1, 3, 0), (3, 2, 1), (3, 3, 1), (6, 3, 2)):
+    for n, k, degree in ((1, 1, 0), (4, 3, 0), (3, 2, 1), (3, 3, 1), (6, 3, 2)):
         points = 2 * UNISOLVENT[:n] + random.uniform(-0.2, 0.2, (n, 2))
         x = np.concatenate([random.uniform(-1, 3, (24, 2)), points])
         case = f"k = {k}, the degree {degree}, number of points: {n}"
@@ -255,18 +257,19 @@ def more_fields(random: np.random.Generator, *calls: Call) -> Iterator[Call]:
 def stars(random: np.random.Generator) -> Iterator[Call]:
     """Yield points around another one, whose row of A is zero because log 1 is.
 
-    The matrix of the whole system is regular.
+    The matrix of the whole system is regular, also for the least degree that the order of k allows:
+    a wrong degree leads to wrong values. With a sixth point there is one other entry in the row.
     """
-    star = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+    star = np.array([[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1], [1, 1]], dtype=float)
     for n, k, degree, words in (
-        (3, 2, 0, "two"),
-        (4, 2, 1, "three"),
-        (5, 2, 1, "four"),
-        (4, 4, 1, "three"),
+        (3, 2, 0, "two points at distance 1 from another one"),
+        (4, 2, 1, "three points at distance 1 from another one"),
+        (5, 2, 1, "four points at distance 1 from another one"),
+        (6, 4, 1, "four of five points at distance 1 from another one"),
     ):
         points = random.permutation(star[:n]) + random.integers(-3, 4, 2)
         x = np.concatenate([points[0] + random.uniform(-2, 2, (24, 2)), points])
-        case = f"{words} points at distance 1 from another one, k = {k}, degree {degree}"
+        case = f"{words}, k = {k}, degree {degree}"
         yield Call("interpolate", (points, random.normal(size=n), k, degree, x), case, exact=(0,))
 
 

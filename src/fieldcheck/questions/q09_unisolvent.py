@@ -223,7 +223,8 @@ def nearly_on_a_line(random: np.random.Generator) -> Iterator[tuple[np.ndarray, 
 
 @law_of_each(
     "The number must be Q minus the rank of P, for P of any basis of the polynomials, with the "
-    "points shifted and scaled."
+    "points shifted and scaled. Singular values of at most 10⁻¹⁰ times the largest one count as "
+    "zero."
 )
 def agrees_with_the_rank_for_another_basis(call: Call, values: Values) -> float:
     """Return the difference from Q minus the rank of the values of ridges, instead of monomials."""

@@ -401,7 +401,9 @@ def fan_inputs(seed: int) -> tuple[Call, ...]:
         ),
         "a sphere with two of its vertices merged": fused(ball(), (1, n - 3)),
         "a torus that touches itself in a vertex": fused(ring(6, 8), (0, 28)),
-        "two sheets that share a corner": fused(joined(sheet(2, 2), sheet(1, 3)), (8, 9)),
+        "two sheets with some inverted triangles that share a corner": flipped(
+            random, fused(joined(sheet(2, 2), sheet(1, 3)), (8, 9))
+        ),
         "the pages of a book": book(4),
         "a sphere with merged poles": fused(ball(2, 5), (10, 11)),
         "a ring of three triangles": (
@@ -415,7 +417,9 @@ def fan_inputs(seed: int) -> tuple[Call, ...]:
         case: shuffled(random, surface, 2)
         for case, surface in {
             "a sphere of 37 vertices, two of them merged": fused(ball(5, 7), (1, 30)),
-            "a torus of 35 vertices that touches itself": fused(ring(5, 7), (0, 17)),
+            "a torus with some inverted triangles that touches itself": flipped(
+                random, fused(ring(5, 7), (0, 17))
+            ),
         }.items()
     }
     made |= larger_numbers(random) | few(random)
