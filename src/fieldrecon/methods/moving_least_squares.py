@@ -463,7 +463,7 @@ class LocalFit:
         return result
 
     def _refuse_a_rough_weight(self) -> None:
-        at_site = ((self.near.distance == 0) & (self.weight > 0)).any(axis=1)
+        at_site = (self.near.distance == 0).any(axis=1)
         if at_site.any() and smoothness(self.method.weight) < 2:
             where = format_point(self.x[np.argmax(at_site)])
             raise ValueError(

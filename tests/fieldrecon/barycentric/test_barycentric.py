@@ -450,6 +450,7 @@ def test_the_edges_of_a_polygon_are_in_anticlockwise_order():
     [
         ([[0, 0], [2, 0], [1, 1], [2, 2], [0, 2]], r"vertex 2, \(1, 1\), lies inside the hull"),
         ([[0, 0], [1, 0], [0, 0], [0, 1]], r"vertex 0, \(0, 0\), and vertex 2 coincide"),
+        ([[0, 0], [1, 0], [2, 0], [1, 0], [0, 1]], r"vertex 1, \(1, 0\), and vertex 3 coincide"),
         ([*CUBE, CUBE[0]], r"vertex 0, \(0, 0, 0\), and vertex 8 coincide"),
         ([*CUBE, [0.5, 0.5, 0.5]], r"corners of a convex polyhedron; vertex 8, .* lies inside"),
         ([*CUBE, [0.5, 0.5, 1.0]], r"vertex 8, \(0.5, 0.5, 1\), lies on the boundary"),

@@ -6,7 +6,7 @@ A law is a function of a mesh, so that it can be applied to broken meshes, which
 import math
 import pickle
 from fractions import Fraction
-from itertools import combinations, permutations
+from itertools import combinations, pairwise, permutations
 
 import numpy as np
 import pytest
@@ -952,6 +952,18 @@ def test_points_without_a_mesh_are_refused(points, error, words):
     """The message names the points."""
     with pytest.raises(error, match=words):
         SimplexMesh.delaunay(points)
+
+
+@pytest.mark.parametrize("name", ["random 2-D", "random 3-D"])
+def test_cells_and_faces_of_rings_are_in_ascending_order(name):
+    """Each once in its row, with the entry one."""
+    mesh = MESHES[name]
+    for around in (mesh.cells_around, mesh.faces_around):
+        for rings in (1, 2, 3):
+            matrix = around(rings)
+            assert (matrix.data == 1).all()
+            for start, end in pairwise(matrix.indptr):
+                assert (np.diff(matrix.indices[start:end]) > 0).all()
 
 
 def test_invalid_vertices_and_rings_are_refused():

@@ -1,9 +1,12 @@
 """Hermite-Birkhoff interpolation: laws, splines, surfaces from normals, Poisson's equation."""
 
+from unittest import mock
+
 import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
+from fieldrecon import reconstruction
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.conditionally_positive_definite import (
@@ -24,7 +27,7 @@ from fieldrecon.methods.functionals import (
 )
 from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.rbf import RBF
-from laws import assert_close, difference_quotient
+from laws import assert_close, difference_quotient, refused
 
 SITES = np.random.default_rng(3).random((24, 2))
 NORMALS = np.random.default_rng(4).standard_normal((24, 2))
@@ -466,6 +469,80 @@ def test_invalid_functionals_are_refused(make, words):
     """The message names the argument, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
         make()
+
+
+@pytest.mark.parametrize(
+    ("kernel", "data", "reach"),
+    [
+        (matern(0.5, 0.4), values_at(SITES), 0),
+        (thin_plate_spline(), values_at(SITES), 1),
+        (wendland(3, 1, 1.3), values_at(SITES), 2),
+        (wendland(3, 1, 1.3), [values_at(SITES), derivatives_at(SITES, NORMALS)], 1),
+        (matern(2.5, 0.4), [values_at(SITES), laplacians_at(SITES)], 2),
+    ],
+    ids=["matern", "thin plate", "wendland", "slopes", "laplacians"],
+)
+def test_a_field_has_as_many_derivatives_as_its_kernel_and_data_leave_it(kernel, data, reach):
+    """Those of the kernel, less the order of the data; asking for others is refused."""
+    method = HermiteRBF(data, kernel)
+    s = method.field(np.zeros(len(method.functionals)))
+    slopes, laplacians = derivatives_at(QUERIES, [1.0, 0.0]), laplacians_at(QUERIES)
+    for order, evaluate in (
+        (1, lambda: s.gradient(QUERIES)),
+        (1, lambda: s.apply(slopes)),
+        (1, lambda: method.gradient_weights(QUERIES)),
+        (1, lambda: method.weights_of(slopes)),
+        (2, lambda: s.hessian(QUERIES)),
+        (2, lambda: s.laplacian(QUERIES)),
+        (2, lambda: s.apply(laplacians)),
+        (2, lambda: method.weights_of(laplacians)),
+    ):
+        if order <= reach:
+            assert np.isfinite(evaluate()).all()
+        else:
+            with refused(f"has {reach} continuous derivatives; asked for order {order}"):
+                evaluate()
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda kernel: RBF(SITES, kernel),
+        lambda kernel: HermiteRBF(values_at(SITES), kernel),
+        lambda kernel: HermiteRBF([values_at(SITES), derivatives_at(SITES[:8], [1, 0])], kernel),
+    ],
+    ids=["RBF", "values", "values and slopes"],
+)
+def test_weights_are_refused_where_only_smooth_data_can_be_fitted(make):
+    """The kernel is wide: a constant is met, but the fields of single data are lost in rounding."""
+    method = make(gaussian(4.0))
+    data = np.concatenate([np.ones(24), np.zeros(len(method.points) - 24)])
+    assert_close(method.field(data)(QUERIES), np.ones(15), 1e-5)
+    asked = [method.weights, method.gradient_weights, lambda x: method.adjoint(x, np.ones(15))]
+    if isinstance(method, HermiteRBF):
+        asked.append(lambda x: method.weights_of(laplacians_at(x)))
+    for weights in asked:
+        with refused("rounding decides the weights: a field of", np.linalg.LinAlgError):
+            weights(QUERIES)
+
+
+def test_functionals_of_a_field_far_outside_are_refused():
+    """As its values are, since rounding decides them; near the sites they are not."""
+    s = HermiteRBF(mixed(), polyharmonic(5)).field(data_of(mixed()))
+    near, far = QUERIES[:1] + 1.0, QUERIES[:1] + 1e4
+    assert_close(s.apply(values_at(near)), s(near), 1e-9 * np.abs(s(near)).max())
+    for functional in (values_at(far), derivatives_at(far, [1.0, 0.0]), laplacians_at(far)):
+        with refused("rounding decides the value at", np.linalg.LinAlgError):
+            s.apply(functional)
+
+
+def test_weights_of_too_many_functionals_are_refused():
+    """Before their matrix is made, as weights of values are."""
+    method = HermiteRBF(mixed(), polyharmonic(5))
+    with mock.patch.object(reconstruction, "DENSE_LIMIT_BYTES", 8 * 10 * len(method.functionals)):
+        assert method.weights_of(laplacians_at(SITES[:10])).shape == (10, len(method.functionals))
+        with refused("dense weights of 11 queries for 26 sites", MemoryError):
+            method.weights_of(laplacians_at(SITES[:11]))
 
 
 def test_data_that_do_not_determine_the_polynomial_are_refused():

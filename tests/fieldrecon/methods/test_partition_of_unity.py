@@ -38,7 +38,7 @@ from fieldrecon.methods.partition_of_unity.polynomial_rank import orthonormal_ba
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.polynomials import dimension, monomials
 from fieldrecon.selection.leaving_one_out import leave_one_out
-from laws import assert_close, assert_same_bits
+from laws import assert_close, assert_same_bits, refused
 
 X = halton(1500, 2)
 ROUND_ONE = (1 - 1e-12, 1 + 1e-12)
@@ -61,12 +61,18 @@ def tracks() -> np.ndarray:
 @pytest.mark.parametrize("d", [1, 2, 3, 5])
 @pytest.mark.parametrize("n", [1, 2, 7, 8, 15, 100, 333])
 def test_boxes_contain_each_site_once_in_nearly_equal_numbers(n, d):
-    """The numbers of sites differ by at most one, and each site lies in its box."""
+    """The numbers of sites differ by at most one, and each site lies in its box.
+
+    They are the fewest boxes, of at most seven slabs across the longest side, of at most 6.5 sites.
+    """
     x = np.random.default_rng(n).random((n, d))
     boxes = KDPartition.around(x, 6.5)
     counts = (boxes.sites >= 0).sum(axis=1)
     assert counts.max() - counts.min() <= 1
-    assert 5 * (n // 5 > 1) <= counts.max() + 1 <= 8
+    numbers = [s * 2**levels for s in range(1, 8) for levels in range(12)]
+    assert len(counts) == min(number for number in numbers if number >= n / 6.5)
+    assert len(boxes.slabs) < 7
+    assert boxes.across == np.ptp(x, axis=0).argmax()
     there = boxes.sites >= 0
     assert sorted(boxes.sites[there]) == list(range(n))
     box = np.nonzero(there)[0]
@@ -254,6 +260,14 @@ def test_an_outlier_spoils_nothing_elsewhere():
         assert np.abs(s(q) - franke(q)).max() < 1.5 * without
         assert_close(s(x), franke(x), 1e-12)
         assert_close(s(p[-1]), f[-1], 1e-3)
+
+
+def test_a_kernel_of_values_too_large_is_refused():
+    """Products of entries of the systems must be numbers: 1e100 and not 1e160."""
+    method = PartitionOfUnityRBF(X[:200], multiquadric(1e-100))
+    assert_close(method.field(np.ones(200))(X[200:220]), np.ones(20), 1e-12)
+    with refused("values of the kernel in a patch exceed 1e150", OverflowError):
+        PartitionOfUnityRBF(X[:200], multiquadric(1e-160)).field(np.ones(200))
 
 
 def test_data_too_large_are_refused():

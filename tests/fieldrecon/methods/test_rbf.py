@@ -1,11 +1,14 @@
 """Radial basis functions: SciPy, the matrix of the slides, energies, and 500 digits."""
 
+from unittest import mock
+
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline, RBFInterpolator
 
 import high_precision
 from cases import CASES, KERNELS, SITES, Case, case
+from fieldrecon import reconstruction
 from fieldrecon._numerics.saddle_point import SaddlePoint
 from fieldrecon.datasets.synthetic import franke, halton
 from fieldrecon.kernels.conditionally_positive_definite import (
@@ -569,6 +572,18 @@ def test_dense_weights_beyond_the_limit_are_refused():
     x = np.broadcast_to(np.zeros(1), (600_000, 1))
     with refused("dense weights of 600000 queries for 500 sites would take 2.2 GiB", MemoryError):
         m.weights(x)
+
+
+def test_a_matrix_beyond_the_limit_is_refused():
+    """That of 50 sites and 3 polynomials, where 53 rows of 50 numbers are too many."""
+    m = RBF(halton(50, 2), thin_plate_spline())
+    with mock.patch.object(reconstruction, "DENSE_LIMIT_BYTES", 8 * 53 * 50):
+        assert m.matrix().shape == (53, 53)
+    with (
+        mock.patch.object(reconstruction, "DENSE_LIMIT_BYTES", 8 * 53 * 50 - 1),
+        refused("dense weights of 53 queries for 50 sites", MemoryError),
+    ):
+        m.matrix()
 
 
 def test_overflow_of_matrix_and_coefficients_is_refused():

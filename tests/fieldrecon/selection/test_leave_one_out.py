@@ -207,6 +207,18 @@ def test_leave_one_out_needs_two_more_points_than_neighbors():
     assert leave_one_out(MovingLeastSquares(POINTS, wendland(3, 1), neighbors=14), VALUES).all()
 
 
+@pytest.mark.parametrize(("degree", "neighbors"), [(0, 1), (1, 6), (2, 12)])
+def test_residuals_of_the_nearest_sites_equal_refits(degree, neighbors):
+    """Where a site is left out another one is among the nearest; four of the sites coincide."""
+    which = [0, 0, 0, *range(16)]
+    p, f = POINTS[which], VALUES[which]
+    residuals = leave_one_out(MovingLeastSquares(p, gaussian(0.8), degree, neighbors), f)
+    for i in range(len(p)):
+        rest = np.delete(p, i, axis=0)
+        s = MovingLeastSquares(rest, gaussian(0.8), degree, neighbors).field(np.delete(f, i))
+        assert_close(residuals[i], f[i] - s(p[i]), 1e-11)
+
+
 def test_data_of_another_length_are_refused():
     with refused(r"values must have one entry for each point, shape \(16, ...\); got \(3,\)"):
         leave_one_out(LeastSquares(POINTS), [1.0, 2.0, 3.0])
