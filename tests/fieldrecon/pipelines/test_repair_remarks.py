@@ -38,7 +38,7 @@ def open_cubes(count, sides=(4,)):
     corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
     quads = np.delete(np.array(QUADS) - 1, sides, axis=0)
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    points = np.concatenate([corners + [3 * k, 0, 0] for k in range(count)])
+    points = np.concatenate([np.add(corners, [3 * k, 0, 0]) for k in range(count)])
     return points, np.concatenate([triangles + 8 * k for k in range(count)])
 
 
