@@ -255,6 +255,13 @@ def test_pictures_of_distances_name_their_curves_and_show_all_of_them():
     assert on_globe.get_xlabel() == "distance from the nearest sample, degrees"
     (axes,) = plot_variogram(found, "f").axes
     assert axes.get_xlim() == (0.0, found.distances.max())
+    lines = {line.get_label(): line.get_xydata() for line in axes.lines}
+    np.testing.assert_array_equal(lines["samples"].T, [found.distances, found.values])
+    h, model = lines["exponential model"].T
+    assert (h[0], h[-1]) == (0.0, found.distances.max())
+    np.testing.assert_allclose(model, found(h))
+    assert (lines["nugget"][:, 1] == found.nugget).all()
+    assert ("range" in lines) == found.levels_off
 
 
 @pytest.mark.parametrize(
