@@ -600,6 +600,22 @@ def test_what_is_no_scan_or_mesh_is_refused():
         audit(3)
 
 
+def test_extrapolated_targets_are_counted_and_those_outside_the_hull_of_these():
+    """Of five, two lie far away; if none does, that is said."""
+    points = fr.datasets.uniform(60, 2, seed=0)
+    table = {"x": points[:, 0], "y": points[:, 1], "f": points @ [1.0, 2.0]}
+    among = np.array([[0.5, 0.5], [0.4, 0.6], [0.3, 0.3]])
+    x = np.vstack([among, [[8.0, 8.0], [9.0, 9.0]]])
+    survey = reconstruct(table, value="f", method="ls1", at=x)
+    assert survey.result.extrapolated.tolist() == [0, 0, 0, 2, 2]
+    words = " ".join(survey.warnings)
+    assert "2 of 5 " in words
+    assert "; 2 of these lie outside" in words
+    assert "None of the 3 " in " ".join(
+        reconstruct(table, value="f", method="ls1", at=among).warnings
+    )
+
+
 def scan_of_a_ball(**changed):
     """A scan whose points have a spacing of 0.1, without the fit."""
     mesh = extract_surface(Ball(1.0), spacing=0.25)
