@@ -15,6 +15,7 @@ from scipy.spatial.distance import cdist
 import laws
 from cases import GLOBE_CASES, Case, case
 from fieldrecon._core import validation as valid
+from fieldrecon._numerics import neighbor_search
 from fieldrecon._numerics.jets import rows_of_jet
 from fieldrecon._numerics.neighbor_search import Nearest
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
@@ -718,8 +719,8 @@ def no_outliers(*_) -> np.ndarray:
     return np.array([], dtype=int)
 
 
-def as_they_come(keys: np.ndarray) -> np.ndarray:
-    return np.arange(keys.shape[1])
+def as_they_come(points: np.ndarray) -> np.ndarray:
+    return np.arange(len(points))
 
 
 CUBICS = case("PU r³ on 16 sites, degree 3 in 2-D")
@@ -970,8 +971,10 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         made_while(CUBICS, "OutliersForgotten", "outlier", _patches, "_outliers", no_outliers),
         made_while(REGION, "PatchesWithOutliers", "outlier", _patches, "APART", np.inf),
         made_while(CUBICS, "BallsAcrossGaps", "clusters", _patches, "WIDEST", np.inf),
-        made_while(CUBICS, "TiesByTheOrder", "lattice", np, "lexsort", as_they_come),
-        made_while(GAUSSIAN, "NeighborsByTheOrder", "lattice", np, "lexsort", as_they_come),
+        made_while(CUBICS, "TiesByTheOrder", "lattice", _blending, "by_position", as_they_come),
+        made_while(
+            GAUSSIAN, "NeighborsByTheOrder", "lattice", neighbor_search, "by_position", as_they_come
+        ),
         made_while(ONE_PATCH, "PatchesThatRefuse", "outlier", _blending, "EVEN", 0.0),
         made(
             replace(WIDER, arrangements=("touching circles",)),

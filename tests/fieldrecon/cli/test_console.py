@@ -2,9 +2,11 @@
 
 import io
 import sys
+from types import SimpleNamespace
 
 import pytest
 
+from fieldrecon.cli import progress
 from fieldrecon.cli.console import print_table, say
 from fieldrecon.cli.progress import Bar, Stage, StatusLine
 
@@ -128,3 +130,16 @@ def test_output_to_a_file_has_no_bar(capsys):
         bar.add(1)
         bar.done("drew it")
     assert capsys.readouterr().err == "drew it\n"
+
+
+def test_a_stage_shows_the_time_that_is_left_at_most_ten_times_a_second(monkeypatch):
+    """In proportion to the work; before any is done, nothing is known of it."""
+    clock = iter([0.0, 5.0, 10.0, 10.05, 10.11])
+    monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    shown = []
+    stage = Stage(SimpleNamespace(show=shown.append), "fitting")
+    for done in (0, 25, 26, 50):
+        stage(done, 100)
+    assert shown[0] == "fitting"
+    left = [text.partition("about ")[2].removesuffix(" left") for text in shown[1:]]
+    assert left == [progress.in_words(30.0), progress.in_words(10.11)]

@@ -1,12 +1,15 @@
 """The command `fieldrecon surface`: from a small point cloud or polygon soup to a mesh."""
 
 import re
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import fieldrecon as fr
 from fieldrecon.cli.main import main
+from fieldrecon.cli.surface import _precision_warning
 from fieldrecon.io.meshes import read_triangles
 from fieldrecon.plotting import surface_picture
 from fieldrecon.solids.shapes import Ball, Torus, sample_surface
@@ -36,6 +39,18 @@ def test_a_ball_is_reconstructed_as_a_closed_mesh(folder, capsys):
     assert "400 of 400 points" in page
     assert "root mean square" in page
     assert 'src="data:image/png;base64,' in page
+
+
+@pytest.mark.parametrize(
+    ("name", "origin", "error"), [("a.STL", 1e7, "0.3"), ("a.ply", 1e7, ""), ("a.stl", 0.0, "")]
+)
+def test_single_precision_is_reported_where_it_displaces_vertices(name, origin, error):
+    """At 1e7 its numbers are one apart; other formats have double precision."""
+    points = origin + np.array([[0.3, 0, 0], [1, 2, 3]])
+    scan = SimpleNamespace(points=points, body=SimpleNamespace(spacing=0.1))
+    said = [*_precision_warning(scan, Path(name))]
+    assert len(said) == bool(error)
+    assert all(f"by up to {error};" in words for words in said)
 
 
 @pytest.mark.slow

@@ -14,7 +14,7 @@ import pytest
 from threadpoolctl import threadpool_info
 
 from fieldrecon._core import chunks as _chunks
-from fieldrecon._core.chunks import chunked, rows_of
+from fieldrecon._core.chunks import chunked, progress_after, rows_of, split_progress
 from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
 from fieldrecon.methods.least_squares import LeastSquares
@@ -79,6 +79,29 @@ def test_progress_is_reported_after_each_chunk():
     calls = []
     list(chunked(double, X, 4, progress=lambda *call: calls.append(call)))
     assert calls == [(4, 10), (8, 10), (10, 10)]
+
+
+def test_the_progress_of_a_part_begins_where_the_others_end():
+    """A part knows its own things only; the caller hears of all of them."""
+    calls = []
+    part = progress_after(lambda *call: calls.append(call), 30, 100)
+    for done in (5, 20):
+        part(done, 20)
+    assert calls == [(35, 100), (50, 100)]
+    assert progress_after(None, 30, 100) is None
+
+
+@pytest.mark.parametrize("number", [1, 2, 3])
+def test_the_progress_of_several_passes_goes_once_from_nothing_to_all(number):
+    """Each of them has an equal share, in whatever units it reports."""
+    calls = []
+    passes = split_progress(lambda *call: calls.append(call), 600, number)
+    for k, progress in enumerate(passes):
+        for done in range(0, 8, 2):
+            progress(done + 1, 7)
+            assert calls[-1] == (600 * (k + (done + 1) / 7) // number, 600)
+    assert calls[-1] == (600, 600)
+    assert list(split_progress(None, 600, number)) == [None] * number
 
 
 class Counting(ThreadPoolExecutor):

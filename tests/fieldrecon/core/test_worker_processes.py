@@ -13,7 +13,12 @@ from types import SimpleNamespace
 import pytest
 
 from fieldrecon._core import worker_processes
-from fieldrecon._core.worker_processes import WorkerPool, _ctrl_c_blocked, start_process
+from fieldrecon._core.worker_processes import (
+    WorkerPool,
+    _ctrl_c_blocked,
+    available_cores,
+    start_process,
+)
 
 HERE = ["fresh"]
 
@@ -34,6 +39,28 @@ def recorded(path: Path) -> str:
     finally:
         HERE[0] = before
     return path.read_text()
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="no system call for it here")
+def test_only_the_cores_that_a_process_may_use_are_counted():
+    """A process that is bound to one core of a large machine has one."""
+    before = os.sched_getaffinity(0)
+    assert available_cores() == len(before)
+    try:
+        os.sched_setaffinity(0, {min(before)})
+        assert available_cores() == 1
+    finally:
+        os.sched_setaffinity(0, before)
+
+
+@pytest.mark.parametrize(("known", "cores"), [(3, 3), (None, 1)])
+def test_where_a_process_is_not_bound_the_cores_of_the_machine_are_counted(
+    monkeypatch, known, cores
+):
+    """One, if the system does not tell their number."""
+    monkeypatch.delattr(os, "sched_getaffinity", raising=False)
+    monkeypatch.setattr(os, "cpu_count", lambda: known)
+    assert available_cores() == cores
 
 
 def test_a_worker_is_prepared_before_its_first_call():

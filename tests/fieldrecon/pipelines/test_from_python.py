@@ -3,6 +3,8 @@
 import re
 import subprocess
 import sys
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -16,6 +18,8 @@ from fieldrecon.cli.main import main
 from fieldrecon.io.frames import as_source
 from fieldrecon.pages.reconstruction_page import pictures, summary
 from fieldrecon.pipelines import audit, reconstruct, surface
+from fieldrecon.pipelines.scans import ScanResult
+from fieldrecon.solids.marching_cubes import extract_surface
 from fieldrecon.solids.shapes import Ball, sample_surface
 
 POINTS = fr.datasets.uniform(60, 2, seed=0)
@@ -594,6 +598,70 @@ def test_what_is_no_scan_or_mesh_is_refused():
         surface(np.eye(12)[:, :3], smoothing=1, polygons=1)
     with pytest.raises(TypeError, match="data must be a path, a pair of points and triangles"):
         audit(3)
+
+
+def test_extrapolated_targets_are_counted_and_those_outside_the_hull_of_these():
+    """Of five, two lie far away; if none does, that is said."""
+    points = fr.datasets.uniform(60, 2, seed=0)
+    table = {"x": points[:, 0], "y": points[:, 1], "f": points @ [1.0, 2.0]}
+    among = np.array([[0.5, 0.5], [0.4, 0.6], [0.3, 0.3]])
+    x = np.vstack([among, [[8.0, 8.0], [9.0, 9.0]]])
+    survey = reconstruct(table, value="f", method="ls1", at=x)
+    assert survey.result.extrapolated.tolist() == [0, 0, 0, 2, 2]
+    words = " ".join(survey.warnings)
+    assert "2 of 5 " in words
+    assert "; 2 of these lie outside" in words
+    assert "None of the 3 " in " ".join(
+        reconstruct(table, value="f", method="ls1", at=among).warnings
+    )
+
+
+def scan_of_a_ball(**changed):
+    """A scan whose points have a spacing of 0.1, without the fit."""
+    mesh = extract_surface(Ball(1.0), spacing=0.25)
+    gaps = mesh.points[mesh.triangles].mean(axis=1)[:, 2] > 0.25
+    known = SimpleNamespace(warnings=(), spacing=0.1)
+    given = {"mesh": mesh, "distances": np.zeros(9), "gaps": gaps} | changed
+    return ScanResult(known, np.zeros(3), known, **given, own_normals=False, source="a ball")
+
+
+def test_the_quality_of_a_mesh_is_that_of_the_distances_of_its_points():
+    scan = scan_of_a_ball(distances=np.random.default_rng(0).permutation(np.arange(101.0)) ** 2)
+    root = np.sqrt(np.sum(np.arange(101.0) ** 4) / 101)
+    assert [*scan.quality.values()] == pytest.approx([root, 50**2, 95**2, 100**2])
+
+
+def test_the_invented_surface_is_a_part_of_the_area():
+    """By Archimedes, above the height h of a ball lies the part (1 - h) / 2 of its surface."""
+    (sentence, *others) = scan_of_a_ball().warnings
+    share, far = re.fullmatch(
+        r"([\d.]+) % of the surface is farther than ([\d.]+) from all points: .*", sentence
+    ).groups()
+    assert float(share) == pytest.approx(37.5, abs=2)
+    assert far == "0.3"
+    assert len(others) == 2
+    mesh = scan_of_a_ball().mesh
+    assert len(scan_of_a_ball(gaps=np.zeros(len(mesh.triangles), dtype=bool)).warnings) == 2
+
+
+@pytest.mark.parametrize("few", [1, 2])
+def test_a_mesh_that_is_cut_off_or_far_from_points_is_not_sound(few):
+    """The surface may be cut off, or have a boundary, where it is allowed to be open."""
+    mesh = scan_of_a_ball().mesh
+    assert scan_of_a_ball().sound(open_allowed=False)
+    cut = scan_of_a_ball(mesh=replace(mesh, cut=np.arange(few)))
+    missed = scan_of_a_ball(mesh=replace(mesh, missed=np.arange(few)))
+    opened = scan_of_a_ball(
+        mesh=replace(mesh, triangles=mesh.triangles[1:]),
+        gaps=np.zeros(len(mesh.triangles) - 1, dtype=bool),
+    )
+    sound = [[one.sound(open_allowed=o) for o in (False, True)] for one in (cut, missed, opened)]
+    assert sound == [[False, True], [False, False], [False, True]]
+    assert any(f"was cut off, at {few} vertices" in words for words in cut.warnings)
+    points = "1 point has" if few == 1 else "2 points have"
+    assert any(words.startswith(f"{points} no surface nearby") for words in missed.warnings)
+    assert any("and is open; found: 1 " in words for words in opened.warnings)
+    assert any(words.endswith("and is closed.") for words in cut.warnings)
 
 
 @pytest.mark.slow

@@ -33,6 +33,48 @@ def test_the_suggested_share_fills_a_wide_hole():
     assert audit(mesh, repair=True, largest_hole=share).sound()
 
 
+def open_cubes(count, sides=(4,)):
+    """Unit cubes beside each other, each without these of its six sides."""
+    corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+    quads = np.delete(np.array(QUADS) - 1, sides, axis=0)
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    points = np.concatenate([np.add(corners, [3 * k, 0, 0]) for k in range(count)])
+    return points, np.concatenate([triangles + 8 * k for k in range(count)])
+
+
+@pytest.mark.parametrize(
+    ("count", "words"),
+    [
+        (1, "1 hole was not filled, since the triangles would have 0.2 of the area"),
+        (5, "5 holes were not filled, since the triangles would have 0.2, 0.2, 0.2, 0.2, 0.2 of"),
+        (
+            6,
+            "6 holes were not filled, since the triangles would have 0.2, 0.2, 0.2, 0.2, 0.2, … of",
+        ),
+    ],
+)
+def test_holes_are_compared_with_the_body_around_them(count, words):
+    """The side of a cube has a fifth of the area of the others, however many cubes there are."""
+    mesh = open_cubes(count)
+    (sentence,) = told(mesh, largest_hole=0.19)
+    assert sentence.startswith(words)
+    share = float(re.search(r"largest-hole, with ([\d.]+),", sentence)[1])
+    assert 0.2 < share <= 0.23
+    assert audit(mesh, repair=True, largest_hole=share).sound()
+    assert "0.25, 0.25 of" in told(open_cubes(1, sides=(4, 5)))[0]
+
+
+@pytest.mark.parametrize("largest_hole", [1.0, 0.2])
+def test_a_hole_that_something_stands_in_is_not_filled(largest_hole):
+    """A tetrahedron reaches out of the open side of a cube: the triangles would cross it."""
+    points, triangles = open_cubes(1)
+    spike = np.array([[0.4, 0.4, -0.5], [0.5, 0.6, -0.5], [0.6, 0.4, -0.5], [0.5, 0.5, 0.5]])
+    faces = np.array([(0, 1, 2), (1, 0, 3), (2, 1, 3), (0, 2, 3)])
+    mesh = np.concatenate([points, spike]), np.concatenate([triangles, faces + len(points)])
+    (sentence,) = told(mesh, largest_hole=largest_hole)
+    assert sentence.startswith("1 hole was not filled, since the triangles of least area would cr")
+
+
 def test_a_long_hole_is_named_with_its_edges():
     (sentence,) = told(open_sphere(1.2))
     edges = int(re.match(r"1 hole of (\d+) edges was not filled: a hole of more than", sentence)[1])

@@ -122,6 +122,15 @@ def test_coordinates_that_look_like_degrees_are_reported(table, header, size, wo
 
 
 @pytest.mark.parametrize(
+    ("x", "y", "named"),
+    [(180, 90, True), (-180, -90, True), (180.5, 90, False), (180, 90.5, False), (0, -90.5, False)],
+)
+def test_numbers_may_be_degrees_up_to_the_poles_and_the_date_line(table, x, y, named):
+    warnings = read_samples(table(f"x,y,t\n0,0,1\n{x},{y},2\n0,9,2\n")).warnings
+    assert any("are degrees, add the option lonlat" in words for words in warnings) == named
+
+
+@pytest.mark.parametrize(
     ("row", "reason"),
     [
         ("1,0,n/a", "z must be a finite number; got 'n/a'"),
@@ -172,12 +181,24 @@ def test_latitudes_beyond_the_poles_are_bad_rows(table):
         read_samples(metres, lonlat=True)
 
 
+def test_degrees_reach_to_the_poles_and_once_around_the_earth(table):
+    """Longitudes of both conventions are read: to 180 degrees, and to 360."""
+    rows = ["360,90", "-360,-90", "360.5,0", "-360.5,0", "0,90.5", "0,-90.5", "1,2", "3,4"]
+    path = table("lon,lat,t\n" + "".join(f"{row},1\n" for row in rows))
+    samples = read_samples(path, lonlat=True)
+    assert [row.line for row in samples.bad] == [4, 5, 6, 7]
+    assert len(samples.points) == 4
+
+
 def test_many_bad_rows_are_counted(table):
     """The warning shows the first five; `bad` contains all of them."""
     samples = read_samples(table("x,y,z\n0,0,1\n" + "a,b,c\n" * 9))
     assert [bad.line for bad in samples.bad] == [*range(3, 12)]
     assert "9 rows skipped" in samples.warnings[0]
     assert samples.warnings[0].endswith("; and 4 more.")
+    five = read_samples(table("x,y,z\n0,0,1\n" + "a,b,c\n" * 5)).warnings[0]
+    assert "7: x must be" in five
+    assert "more." not in five
 
 
 @pytest.mark.parametrize(
@@ -336,6 +357,19 @@ def test_marks_in_the_coordinates_are_no_degrees(table):
     path = table("lon,lat,v\n-9999,1,2\n1,2,3\n400,1,2\n")
     samples = read_samples(path, missing=-9999, lonlat=True)
     assert (samples.absent, [row.line for row in samples.bad]) == (1, [4])
+
+
+@pytest.mark.parametrize(("scales", "wide"), [((3e6, 2e-3), "x"), ((5e-7, 4e-2), "y")])
+def test_the_power_of_ten_in_a_warning_brings_extents_of_other_units_together(table, scales, wide):
+    """The column that is named is then as wide as the other one, to half a power of ten."""
+    points = np.array([[0, 0], [1, 1], [0.3, 0.6]]) * scales
+    text = "x,y,v\n" + "".join(f"{x},{y},1\n" for x, y in points)
+    (said,) = (words for words in read_samples(table(text)).warnings if "one unit:" in words)
+    name, factor = said.rpartition("divide ")[2].removesuffix(".").split(" by ")
+    assert name == wide
+    points[:, "xy".index(name)] /= float(factor)
+    x, y = np.ptp(points, axis=0)
+    assert 10**-0.5 < x / y < 10**0.5
 
 
 def test_extents_in_other_units_are_reported(table):
@@ -530,7 +564,9 @@ def test_collinear_and_coplanar_samples_are_refused(offset, directions, words):
         refuse_flat(samples)
 
 
-@pytest.mark.parametrize(("scales", "divided"), [([1e9, 1], "x"), ([1, 1e12], "y")])
+@pytest.mark.parametrize(
+    ("scales", "divided"), [([1e9, 1], "x"), ([1, 1e12], "y"), ([1e-7, 1e5], "y")]
+)
 def test_the_remedy_for_different_units_makes_the_samples_acceptable(scales, divided):
     """Points on a line in any units, such as (1, 2) t, have no such remedy."""
 

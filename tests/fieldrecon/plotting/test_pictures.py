@@ -14,7 +14,7 @@ from fieldrecon.pipelines import reconstruct
 from fieldrecon.pipelines.scans import ScanResult
 from fieldrecon.pipelines.validation import Validation
 from fieldrecon.pipelines.variograms import variogram
-from fieldrecon.plotting.field_pictures import _draw_scattered, _drawn, _set_axes
+from fieldrecon.plotting.field_pictures import _SIDE, _draw_scattered, _drawn, _outer, _set_axes
 from fieldrecon.plotting.field_pictures import plot as plot_field
 from fieldrecon.plotting.maps import map_axes
 from fieldrecon.plotting.mesh_pictures import Marks, MeshPicture, draw, marks, plot_audit
@@ -255,6 +255,13 @@ def test_pictures_of_distances_name_their_curves_and_show_all_of_them():
     assert on_globe.get_xlabel() == "distance from the nearest sample, degrees"
     (axes,) = plot_variogram(found, "f").axes
     assert axes.get_xlim() == (0.0, found.distances.max())
+    lines = {line.get_label(): line.get_xydata() for line in axes.lines}
+    np.testing.assert_array_equal(lines["samples"].T, [found.distances, found.values])
+    h, model = lines["exponential model"].T
+    assert (h[0], h[-1]) == (0.0, found.distances.max())
+    np.testing.assert_allclose(model, found(h))
+    assert (lines["nugget"][:, 1] == found.nugget).all()
+    assert ("range" in lines) == found.levels_off
 
 
 @pytest.mark.parametrize(
@@ -307,3 +314,46 @@ def test_axes_and_their_labels_are_inside_the_page_and_apart():
         assert (box.min >= page.bbox.min).all()
         assert (box.max <= page.bbox.max).all()
     assert left.x1 < right.x0
+
+
+@pytest.mark.parametrize(
+    ("counts", "drawn", "middle"),
+    [
+        ((3, 3 * _SIDE), (3, _SIDE), 0),
+        ((_SIDE + 1, 2), (_SIDE // 2 + 1, 2), 0),
+        ((_SIDE, 2, 4), (_SIDE, 2), 2),
+    ],
+)
+@pytest.mark.parametrize("falling", [False, True])
+def test_of_the_nodes_of_a_large_grid_some_are_drawn(counts, drawn, middle, falling):
+    """Every node, or every second or third one; of a grid in space those of the middle slice."""
+    axes = tuple(np.arange(float(count))[:: 1 - 2 * falling] for count in counts)
+    targets = Targets(grid_nodes(axes), axes)
+    places = np.round(targets.points[:, 0] + 1e4 * targets.points[:, 1])
+    places += 1e-3 * targets.points[:, 2] if len(counts) == 3 else 0
+    names = (*"xyz"[: len(counts)], "v")
+    found = _drawn(TargetValues(names, targets, places, 2 * places, np.arange(len(places))))
+    x, y = found.targets.axes
+    assert (len(x), len(y)) == drawn
+    assert (np.diff(x) > 0).all()
+    assert (np.diff(y) > 0).all()
+    height = axes[2][middle] if len(counts) == 3 else 0.0
+    expected = np.add.outer(1e4 * y, x).ravel() + 1e-3 * height
+    np.testing.assert_allclose(found.values, expected, rtol=1e-15)
+    np.testing.assert_array_equal(found.error, 2 * found.values)
+    np.testing.assert_array_equal(places[found.extrapolated], found.values)
+
+
+@pytest.mark.parametrize(("step", "even"), [(1.0, True), (1.0009, True), (1.01, False)])
+def test_a_grid_with_uneven_steps_is_drawn_as_points(step, even):
+    """A picture has equal cells, up to a thousandth."""
+    axes = np.array([0.0, step, step + 1.0]), np.arange(2.0)
+    targets = Targets(grid_nodes(axes), axes)
+    found = _drawn(TargetValues("xyv", targets, np.arange(6.0), np.zeros(6), np.zeros(6, int)))
+    assert bool(found.targets.axes) == even
+    assert len(found.values) == 6
+
+
+def test_the_cells_of_a_picture_are_centred_at_their_nodes():
+    assert _outer(np.array([2.0, 4.0, 6.0])) == (1.0, 7.0)
+    assert _outer(np.array([3.0, 3.0])) == (2.5, 3.5)  # a cell has a width

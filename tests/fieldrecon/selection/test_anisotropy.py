@@ -90,6 +90,19 @@ def test_the_direction_turns_with_the_samples():
     assert (angles[1] - angles[0]) % 180 == pytest.approx(90)
 
 
+def test_the_search_reports_each_variant_that_it_tries():
+    """Two ratios along four directions, then at most four neighbours of the best one."""
+    points = uniform(20, 2, seed=3)
+    validator = CrossValidator.of(points, slowly_along(points, ALONG))
+    calls = []
+    score = validator.evaluate(MODELS["cubic"])
+    find_anisotropy(validator, score, lambda *call: calls.append(call))
+    done, total = zip(*calls, strict=True)
+    assert done == tuple(range(1, len(done) + 1))
+    assert {*total} == {12}
+    assert 8 < len(done) <= 12
+
+
 @pytest.mark.slow
 def test_none_is_found_where_there_is_none():
     """Waves of all directions, by the one-standard-error rule; least squares has no distances."""

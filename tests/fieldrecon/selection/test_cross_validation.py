@@ -1,6 +1,7 @@
 """Cross-validation at the distances of the queries selects a suitable method."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from fieldrecon import LeastSquares, leave_one_out
 from fieldrecon.datasets.synthetic import clustered, franke, halton, uniform
 from fieldrecon.selection import cross_validation as module
 from fieldrecon.selection.cross_validation import CrossValidator, _least, best
+from fieldrecon.selection.distance_matching import Fold, nearest_neighbor_distances
 from fieldrecon.selection.model_scores import ModelScore, by_caution
 from fieldrecon.selection.models import (
     MODELS,
@@ -17,6 +19,7 @@ from fieldrecon.selection.models import (
     with_variances,
     with_wide_patches,
 )
+from fieldrecon.selection.noise_gain import noise_gain
 
 EXACT = 1e-8
 ALONE = {name: model for name, model in MODELS.items() if not model.parts}
@@ -355,6 +358,23 @@ def test_a_sample_that_is_held_out_in_several_folds_does_not_reduce_the_standard
         assert scores[1].is_level_with(scores[0]) is level
 
 
+@pytest.mark.parametrize("scale", [0.125, 1.0, 8.0])
+@pytest.mark.parametrize(("part", "level"), [(-0.9, True), (0.9, True), (1.1, False)])
+def test_only_the_ratios_of_the_weights_decide_which_errors_are_level(scale, part, level):
+    """Samples of the weight zero might as well not be there."""
+    weights = scale * np.repeat([1.0, 0.0], [300, 100])
+    differences = np.tile([-(0.5**0.5), -(0.5**0.5), 2**0.5], 100)  # standard deviation 1
+    mean = part / np.sqrt(300)
+    other = np.concatenate([10 + differences + mean, np.full(100, 99.0)])
+    for held_out in (None, np.arange(400)):
+        score, best = (
+            ModelScore(MODELS["tps"], None, np.sqrt(s), weights=weights, held_out=held_out)
+            for s in (other, np.full(400, 10.0))
+        )
+        assert score.rms == pytest.approx(np.sqrt(10 + mean))
+        assert score.is_level_with(best) is level
+
+
 def test_of_models_with_level_errors_the_most_cautious_is_chosen():
     """Kernel r is preferred to a plate only if the errors cannot be told apart."""
     plate = score_of("smooth", np.sqrt(np.full(100, 10.0)))
@@ -414,6 +434,134 @@ def test_a_weaker_smoothing_is_kept_in_mind_if_it_is_level(more, level):
     )
     assert found.maker == "some"
     assert found.weaker == ("none" if level else None)
+
+
+@pytest.mark.parametrize("valley", range(9))
+def test_the_least_error_on_a_path_is_found_from_its_begin_or_its_middle(valley):
+    """Errors that fall towards one variant and rise behind it: few others are tried."""
+    tried = []
+
+    def scored(i):
+        tried.append(i)
+        return replace(score_of("pu2", np.full(9, 1.0 + (i - valley) ** 2)), maker=i)
+
+    assert _least(range(9), scored).maker == valley
+    start = 0 if valley < 2 else 4  # at equal distances from both, either
+    assert len(tried) == len({*tried}) <= abs(valley - start) + 4
+
+
+def test_a_path_without_a_valley_is_searched_from_the_better_of_begin_and_middle():
+    """A lower one behind higher ones is not looked for: nobody would trust it."""
+    for errors, found, tried in (
+        ([1.0, 2, 3, 4, 5, 0.1], 0, {0, 1, 3}),
+        ([5.0, 0.1, 4, 2, 3, 0.1], 3, {0, 2, 3, 4}),
+        ([1.0, 1, 1, 1, 1, 1], 0, {0, 1, 3}),
+        ([3.0], 0, {0}),
+    ):
+        seen = set()
+
+        def scored(i, errors=errors, seen=seen):
+            seen.add(i)
+            return replace(score_of("pu2", np.full(9, errors[i])), maker=i)
+
+        assert _least(range(len(errors)), scored).maker == found
+        assert seen == tried
+
+
+def test_of_paths_with_nearly_the_same_error_the_first_is_taken():
+    """Constants before planes, unless their error is more than two per cent larger."""
+    points = uniform(300, 2, seed=0)
+    noise = np.random.default_rng(0).standard_normal(300)
+    constants, planes = (partial(LeastSquares, degree=degree) for degree in (0, 1))
+    model = Model("either", "LS", "constant or plane", lambda _: [[constants], [planes]])
+    taken = []
+    for slope in np.linspace(0, 1.2, 7):
+        validator = CrossValidator.of(points, noise + slope * points[:, 0])
+        ratio = validator.score(model, constants).rms / validator.score(model, planes).rms
+        first = validator.evaluate(model).maker is constants
+        assert first == (ratio <= 1.02)
+        taken.append((first, ratio > 1.0))
+    assert {*taken} >= {(True, True), (False, True)}
+
+
+@pytest.mark.parametrize(
+    ("sizes", "n", "first"),
+    [([20] * 60, 300, 3), ([25] * 60, 300, 3), ([59, 1, 5], 300, 2), ([1] * 60, 450, 5)],
+)
+def test_models_are_compared_on_the_first_folds_with_sixty_held_out_samples(sizes, n, first):
+    """They are as few as that takes, and of more than 400 samples five at most."""
+    folds = tuple(Fold(np.arange(size), np.arange(size, n)) for size in sizes)
+    validator = CrossValidator(uniform(n, 2, seed=0), np.zeros(n), folds)
+    assert validator._first_folds() == folds[:first]
+
+
+def test_the_amplification_is_the_ratio_of_the_gains_at_queries_and_held_out_samples():
+    """Queries farther than any held-out sample do not count; without others the ratio is one."""
+    points, far = uniform(450, 2, seed=0), np.full((9, 2), 50.0)
+    x = np.concatenate([uniform(40, 2, seed=1) * 1.2 - 0.1, far])
+    maker = partial(LeastSquares, degree=4)
+    validator = CrossValidator.of(points, points[:, 0], x)
+    near = x[nearest_neighbor_distances(points, x) <= validator.distances.max()]
+    assert 20 < len(near) <= 40
+    held_out = np.concatenate(
+        [
+            noise_gain(maker(points[fold.fitted]), points[fold.held_out])
+            for fold in validator._first_folds()
+        ]
+    )
+    at_queries = noise_gain(maker(points), near)
+    literal = np.sqrt(np.mean(at_queries**2) / np.mean(held_out**2))
+    assert validator.amplification(maker) == pytest.approx(literal)
+    for other in (None, far):
+        assert replace(validator, queries=other).amplification(maker) == 1.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_window_is_the_neighbourhood_of_a_query(monkeypatch, seed):
+    """The queries in it are those whose nearest sample is among its inner half."""
+    monkeypatch.setattr(module, "MANY", 300)
+    monkeypatch.setattr(module, "WINDOW", 80)
+    monkeypatch.setattr(module, "WINDOWS", 1)
+    points, x = uniform(400, 2, seed=0), uniform(150, 2, seed=1)
+    order = np.linalg.norm(x[:, None] - points, axis=2).argsort(axis=1)
+    validator = CrossValidator.of(points, points[:, 0], x, seed)
+    (middle,) = [k for k, near in enumerate(order) if {*near[:80]} == {*validator.sites}]
+    assert np.array_equal(validator.queries, x[np.isin(order[:, 0], order[middle, :40])])
+    own = np.linalg.norm(points[:, None] - points, axis=2).argsort(axis=1)
+    validator = CrossValidator.of(points, points[:, 0], seed=seed)
+    assert validator.queries is None
+    assert [k for k, near in enumerate(own) if {*near[:80]} == {*validator.sites}]
+
+
+@pytest.mark.parametrize(
+    ("variances", "floor"),
+    [
+        (np.linspace(1.0, 9.0, 500), 3.0),
+        (np.repeat([0.0, 4.0], [300, 200]), 1.6e-6),
+        (np.zeros(500), 1.0),
+    ],
+)
+def test_a_held_out_sample_counts_by_its_variance_and_the_lower_quartile(variances, floor):
+    """The weights are in proportion to 1 / (v + q), and equal if all variances are."""
+    points = uniform(500, 2, seed=0)
+    validator = CrossValidator.of(points, franke(points), variances=variances)
+    score = validator.evaluate(MODELS["ls2"])
+    v = variances[validator.held_out]
+    literal = np.average(score.residuals**2, weights=1 / (v + floor))
+    assert score.rms == pytest.approx(np.sqrt(literal))
+
+
+def test_patches_hold_more_samples_where_many_are_near_duplicates():
+    """Sixty separate sites, which count once however often they were measured; 120 samples."""
+    points = uniform(300, 2, seed=0)
+    for repeated, size in (
+        (points[:0], 60),
+        (points[:150], 90),  # 300 sites of 450 samples
+        (points, 120),
+        (np.concatenate([points, points]), 120),
+    ):
+        (path, *_) = MODELS["pu1"].makers(np.concatenate([points, repeated + 1e-9]))
+        assert {maker.keywords["patch_size"] for maker in path} == {size}
 
 
 def test_the_next_best_method_replaces_one_that_fails():

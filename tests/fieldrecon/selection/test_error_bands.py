@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import binom
 
 import fieldrecon as fr
 from fieldrecon.selection import distance_matching
@@ -139,6 +140,64 @@ def test_the_quantile_is_the_conformal_one(n):
     rank = conformal_quantile(ratios)
     assert (rank - 1) / (n + 1) < 0.95 <= rank / (n + 1)
     assert rank <= conformal_quantile(ratios, 1.0) <= n
+
+
+@pytest.mark.parametrize("n", [40, 1000, 100_000])
+@pytest.mark.parametrize("caution", [0.5, 1.0, 2.0])
+def test_caution_raises_the_rank_by_standard_deviations_of_the_number_below_it(n, caution):
+    """The number of n ratios below their true 95 % quantile is binomial."""
+    ratios = np.random.default_rng(0).permutation(np.arange(1.0, n + 1))
+    expected = 0.95 * (n + 1) + caution * binom(n, 0.95).std()
+    assert 0 <= conformal_quantile(ratios, caution) - min(expected, n) < 1
+
+
+def literal_roughness(points, residuals, x, mean):
+    """Weighted mean square of the nearest residuals, one query after the other."""
+    k = min(8 * (points.shape[1] + 1), len(points) - 1)
+    found = []
+    for query in x:
+        distance = np.linalg.norm(points - query, axis=1)
+        order = np.argsort(distance)
+        near, reach = order[:k], distance[order[k]]
+        weights = (1 - (distance[near] / reach) ** 2) ** 2
+        found.append(np.average(residuals[near] ** 2, weights=weights) / mean)
+    return np.sqrt(found)
+
+
+@pytest.mark.parametrize(("n", "d"), [(300, 2), (9, 2), (200, 3)])
+def test_the_roughness_is_a_weighted_mean_of_the_nearest_residuals(n, d):
+    """Without a fold it is that of the other samples, still relative to the mean of all."""
+    points, x = fr.datasets.uniform(n, d, seed=0), fr.datasets.uniform(20, d, seed=1)
+    residuals = np.random.default_rng(0).uniform(1, 3, n) * (1 + points[:, 0])
+    mean = np.mean(residuals**2)
+    rough = module._Roughness(points, residuals)
+    np.testing.assert_allclose(
+        rough(x), literal_roughness(points, residuals, x, mean), rtol=2 * module._FLOOR**2
+    )
+    fold = single_folds(n, 3)[0]
+    own = points[fold.fitted], residuals[fold.fitted], points[fold.held_out]
+    np.testing.assert_allclose(
+        rough.without(fold), literal_roughness(*own, mean), rtol=2 * module._FLOOR**2
+    )
+
+
+def test_where_the_residuals_vanish_the_roughness_is_a_thousandth():
+    """A band of width zero there would not contain a new sample."""
+    points = fr.datasets.uniform(400, 2, seed=0)
+    rough = module._Roughness(points, np.where(points[:, 0] > 0.5, 2.0, 0.0))
+    assert rough(np.array([[0.1, 0.5]])) == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize(("n", "bins"), [(30, 1), (100, 2), (399, 9), (1000, 10)])
+def test_bins_by_distance_divide_the_held_out_samples(n, bins):
+    """Their numbers differ by at most one, and the mean of their coverage is that of all."""
+    points = fr.datasets.uniform(n, 2, seed=0)
+    band = ErrorBand(points, single_folds(n), np.random.default_rng(0).standard_normal(n))
+    farthest, covered, counts = map(np.array, zip(*band.coverage_by_distance(), strict=True))
+    assert len(counts) == bins
+    assert (counts.sum(), np.ptp(counts) <= 1) == (n, True)
+    assert np.average(covered, weights=counts) == pytest.approx(band.covered)
+    assert np.array_equal(farthest, np.sort(band.distances)[np.cumsum(counts) - 1])
 
 
 def test_the_isotonic_sequence_is_the_nearest_one():

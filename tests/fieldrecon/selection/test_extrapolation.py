@@ -129,6 +129,26 @@ def test_nothing_is_outside_a_hull_of_the_whole_globe():
     assert (flags != OUTSIDE).all()
 
 
+def test_a_hull_on_the_globe_may_reach_almost_to_a_great_circle():
+    """Samples up to 83 degrees from a pole: queries are inside to 82 degrees, and then outside."""
+
+    def ring(degrees, count):
+        around = np.linspace(0, 360, count, endpoint=False)
+        return to_unit(np.column_stack([around, np.full(count, 90.0 - degrees)]))
+
+    sites = np.vstack([ring(degrees, 400) for degrees in range(3, 84, 10)])
+    for degrees, meaning in ((82, AMONG), (84, OUTSIDE), (100, OUTSIDE), (179, OUTSIDE)):
+        assert (extrapolated(sites, ring(degrees, 30), on_globe=True) == meaning).all()
+
+
+def test_up_to_the_validated_distance_a_query_is_among_the_samples():
+    """Also outside the hull, and at this distance itself; beyond it the hull decides."""
+    points = np.array([[0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [0.0, 8.0]])
+    x = np.array([[2.0, 0.0], [2.5, 0.0], [-2.0, 0.0], [-2.5, 0.0], [4.0, 4.0], [9.0, 9.0]])
+    flags = extrapolated(points, x, validated=2.0)
+    assert flags.tolist() == [AMONG, GAP, AMONG, OUTSIDE, GAP, AMONG]
+
+
 def test_few_points_have_no_gaps():
     """With three samples no sample has the sixteen neighbours that a gap needs."""
     points = np.array([[0.0, 0], [1, 0], [0, 1]])

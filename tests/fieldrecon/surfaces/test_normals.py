@@ -122,6 +122,20 @@ def test_neighbourhoods_without_a_plane_are_reported():
     assert np.isfinite(estimate_normals(np.ones((30, 3))).vectors).all()
 
 
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_plane_fits_if_the_variance_across_it_is_at_most_a_quarter(d, unit):
+    """Of crosses of points, whose variances are known; the planarity is one less their ratio."""
+    for across, planar in ((0.0, True), (0.49, True), (0.51, False), (1.0, False)):
+        arms = np.diag([1.0] * (d - 1) + [across])
+        cross = unit * (np.vstack([np.zeros((1, d)), arms, -arms]) + 5.0)
+        found = estimate_normals(cross, neighbors=2 * d + 1)
+        assert (found.planar == planar).all()
+        assert_close(found.planarity, np.full(2 * d + 1, 1 - across**2), 1e-10)
+        if across < 1:
+            assert_close(abs(found.vectors[:, -1]), np.ones(2 * d + 1), 1e-12)
+
+
 def test_points_near_edges_of_a_cube_are_not_planar():
     """Points in the interior of the faces are planar."""
     x, _ = BODIES["cube"]

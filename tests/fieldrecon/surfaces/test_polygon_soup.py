@@ -1,5 +1,8 @@
 """Implicit moving least squares of a polygon soup: integrals, laws and mutants."""
 
+import math
+from itertools import product
+
 import mpmath
 import numpy as np
 import pytest
@@ -121,6 +124,43 @@ def test_gradients_equal_central_differences(rng):
     x, h = 1.5 * rng.normal(size=(40, 3)), 1e-5
     slopes = [(soup(x + h * e) - soup(x - h * e)) / (2 * h) for e in np.eye(3)]
     np.testing.assert_allclose(soup.gradient(x), np.stack(slopes, axis=1), atol=1e-7)
+
+
+@pytest.mark.parametrize("epsilon", [0.0, 0.5])
+def test_gradients_far_from_polygons_are_those_of_the_quadrature(epsilon, rng):
+    """Of many polygons some are integrated in closed form, and the others by the rules."""
+    square = (
+        np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]),
+        np.array([[0, 1], [1, 2], [2, 3], [3, 0]]),
+    )
+    for points, polygons in (square, sphere(1)):
+        d, h = points.shape[1], 1e-5
+        soup = fr.surfaces.PolygonSoup(points, polygons, epsilon, tol=1e-4)
+        direction = rng.normal(size=(40, d))
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        x = np.array(points).mean(axis=0) + direction * rng.uniform(1.2, 12, (40, 1))
+        near = soup._integrals(x)[1]
+        assert near.any()
+        assert not near.all()
+        slopes = [(soup(x + h * e) - soup(x - h * e)) / (2 * h) for e in np.eye(d)]
+        smooth = (soup._integrals(x + h)[1] == soup._integrals(x - h)[1]).all(axis=1)
+        found = soup.gradient(x)[smooth]
+        np.testing.assert_allclose(found, np.stack(slopes, axis=1)[smooth], atol=1e-8)
+
+
+@pytest.mark.parametrize(("d", "degree"), [(2, 7), (3, 5)])
+def test_the_rules_are_exact_for_polynomials(d, degree):
+    """Four nodes of Gauss on a segment, seven of Radon on a triangle, and no degree higher."""
+    nodes, weights = polygon_soup._RULES[d]
+    np.testing.assert_allclose(nodes.sum(axis=1), 1.0)
+    for total in range(degree + 2):
+        errors = []
+        for powers in product(range(total + 1), repeat=d):
+            if sum(powers) == total:
+                factorials = [math.factorial(k) for k in (*powers, d - 1)]
+                exact = math.prod(factorials) / math.factorial(total + d - 1)
+                errors.append(abs(weights @ (nodes**powers).prod(axis=1) / exact - 1))
+        assert (max(errors) < 1e-12) == (total <= degree)
 
 
 def test_the_error_of_the_far_quadrature_is_below_the_tolerance(rng):

@@ -4,13 +4,21 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from fieldrecon.datasets.synthetic import uniform
 from fieldrecon.pipelines.scans import _percent
 from fieldrecon.solids import marching_cubes as surface_extraction
 from fieldrecon.solids.constructive import as_solid, blend, morph, transform
 from fieldrecon.solids.marching_cubes import extract_surface
 from fieldrecon.solids.shapes import Ball, Box, Cylinder, Torus, roughened, sample_surface
 from fieldrecon.surfaces import implicit_surfaces, off_surface
-from fieldrecon.surfaces.cloud_cleaning import _at_boundaries, _beside, as_clean_cloud, noise_of
+from fieldrecon.surfaces.cloud_cleaning import (
+    _against,
+    _at_boundaries,
+    _beside,
+    as_clean_cloud,
+    noise_of,
+    outliers,
+)
 from fieldrecon.surfaces.implicit_surfaces import _box_about, _far_points, implicit_surface
 from fieldrecon.surfaces.off_surface import classified_points, off_surface_points, spacing_of
 from laws import assert_close
@@ -253,6 +261,72 @@ def test_repeated_points_and_outliers_are_skipped_and_reported():
     assert "5 points repeat others" in body.warnings[0]
     assert "2 points lie apart from all others" in body.warnings[1]
     assert_close(body(TORUS.box), implicit_surface(points)(TORUS.box), 1e-9)
+
+
+@pytest.mark.parametrize("apart", [1, 2, 3])
+def test_a_point_and_a_pair_lie_apart_but_three_points_do_not(apart):
+    """Points with one other point near by at most, as others have eight; of any density."""
+    sheet = np.column_stack([*uniform(300, 2, seed=0).T, np.zeros(300)])
+    sheet[:, 0] **= 3  # denser towards one side
+    lonely = np.array([[0.5, 0.5, 2.0], [0.5, 0.5, 2.01], [0.5, 0.51, 2.0]])[:apart]
+    found = outliers(np.vstack([lonely, sheet]))
+    assert found[:apart].tolist() == [apart < 3] * apart
+    assert found[apart:].mean() < 0.01
+
+
+def test_a_point_apart_has_more_than_the_reach_of_its_neighbours_to_the_second_one():
+    """One point after the other: half as far again as those reach to their eighth neighbours."""
+    points = np.random.default_rng(0).standard_normal((200, 3)) ** 3
+    distance = np.linalg.norm(points[:, None] - points, axis=2)
+    reach, order = np.sort(distance, axis=1), distance.argsort(axis=1)
+    literal = [
+        reach[k, 2] > 1.5 * np.median([reach[j, 8] for j in order[k, 1:9]]) for k in range(200)
+    ]
+    assert outliers(points).tolist() == literal
+    assert 0 < sum(literal) < 20
+    assert not outliers(points[:9] * [1, 1, 1e9]).any()  # too few to be compared
+
+
+@pytest.mark.parametrize("n", [300, 7, 6])
+def test_the_noise_is_the_deviation_from_paraboloids_through_twelve_points(n):
+    """Over the plane of the neighbours, with one degree of freedom less for each coefficient."""
+    points = spiral(n) * (1 + 0.05 * np.random.default_rng(0).standard_normal((n, 1)))
+    literal, k = [], min(12, n)
+    for point in points:
+        near = points[np.linalg.norm(points - point, axis=1).argsort()[:k]]
+        near = near - near.mean(axis=0)
+        x, y, height = (near @ np.linalg.svd(near)[2].T).T
+        basis = np.column_stack([np.ones(k), x, y, x * x, x * y, y * y])
+        rest = height - basis @ np.linalg.lstsq(basis, height)[0]
+        literal.append(np.sqrt(rest @ rest / (k - 6)) if k > 6 else 0.0)
+    assert noise_of(points) == pytest.approx(np.median(literal), rel=1e-6)
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize(
+    ("far", "opposite", "known", "against"),
+    [
+        (1.0, 1.0, True, True),
+        (2.0, 1.0, True, True),  # the nearer one counts four times as much
+        (1.0, 0.0, True, False),
+        (1.0, 0.29, True, False),
+        (1.0, 0.31, True, True),
+        (1.0, 1.0, False, False),
+    ],
+)
+def test_a_direction_that_its_neighbours_contradict_is_rejected(
+    far, opposite, known, against, unit
+):
+    """The mean of their cosines, by inverse squared distances, is less than -0.3."""
+    points = unit * np.array([[0, 0, 0], [1, 0, 0], [-far, 0, 0], [0, 1, 0], [0, 0, 0]])
+    aside = np.sqrt(1 - opposite**2)
+    directions = np.array([[0, 0, 1.0], [0, aside, -opposite], [0, aside, -opposite], [0, 0, 1.0]])
+    directions = np.vstack([directions, directions[:1]])
+    if far == 2:
+        directions[2] = [0, 0, 1.0]
+    mask = np.array([True, known, known, False, True])
+    neighbors = np.array([[0, 4, 1, 2, 3]] * 5)
+    assert _against(points, directions, mask, neighbors)[0] == against
 
 
 @pytest.mark.slow
