@@ -35,7 +35,8 @@ EXCLUDED = 0.2
 VICINITY = 0.05
 """Fraction of the samples, the nearest to a query, from which its held-out sample is drawn."""
 _LEAST_VICINITY = 16
-_NEAREST = 32  # neighbours among which one on the other side is sought first
+_NEAREST, _FARTHEST = 32, 2048  # neighbours among which one on the other side is sought, at most
+_PAIRS = 2**17  # of a query and a sample, at the same time
 _DRAWS = 4  # largest mean number of draws of a sample
 _BIASED = 0.1  # tolerated difference of the radii of draws with room from those of all draws
 _LEAST_DRAWS = 25  # number that is placed as far as there is room
@@ -140,8 +141,9 @@ def distance_matched_folds(
     that is nearest to it. The sample is held out, and all samples that are nearer to it than the
     distance of a query are excluded from the fit. If the gaps about queries are on the mean 1.5
     times as wide as those about samples, so are samples on the other side, up to the width of the
-    gap of the query, see `gap_widths`. The distances come from the drawn queries;
-    where samples are sparse, they are given the larger ones. A fold excludes at most a fifth of the
+    gap of the query: the distance from its nearest sample, plus that from the nearest one on the
+    other side. The distances come from the drawn queries; where samples are sparse, they are given
+    the larger ones. A fold excludes at most a fifth of the
     samples; a query too far for that is left out, and the largest of the `held_out_distances` is
     the distance up to which errors are known. If all queries are too far, nothing but the held-out
     samples is excluded.
@@ -204,7 +206,7 @@ def gap_widths(points: np.ndarray, x: np.ndarray, skipped: int = 0) -> np.ndarra
     """Widths (m,) of the gaps about queries (m, d).
 
     That is the distance from the nearest sample, plus that from the nearest one on the other side.
-    If none is there, it is twice the distance from the nearest one.
+    If none of the 2048 nearest ones is there, it is twice the distance from the nearest one.
 
     Parameters
     ----------
@@ -224,16 +226,25 @@ def gap_widths(points: np.ndarray, x: np.ndarray, skipped: int = 0) -> np.ndarra
     left, k = np.arange(len(x)), _NEAREST
     while len(left):
         k = min(k, tree.n)
-        distance, index = tree.query(x[left], [*range(1 + skipped, 1 + k)])
-        offset = tree.data[index] - x[left, None, :]
-        along = np.einsum("mkd,md->mk", offset, offset[:, 0])
-        beyond = along < _OPPOSITE * distance * distance[:, :1]
-        first = np.take_along_axis(distance, beyond.argmax(axis=1)[:, None], axis=1)[:, 0]
-        known = beyond.any(axis=1)
-        width[left] = distance[:, 0] + np.where(known, first, distance[:, 0])
-        left = left[~known & (k < tree.n)]
+        parts = np.array_split(left, -(-len(left) * k // _PAIRS))
+        found = [_width_among(tree, x[part], k, skipped) for part in parts]
+        width[left], known = map(np.concatenate, zip(*found, strict=True))
+        left = left[~known & (k < min(tree.n, _FARTHEST))]
         k *= 4
     return width
+
+
+def _width_among(
+    tree: cKDTree, x: np.ndarray, k: int, skipped: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Widths (m,) of gaps among the k nearest samples, and whether both sides are among them."""
+    distance, index = tree.query(x, [*range(1 + skipped, 1 + k)])
+    offset = tree.data[index] - x[:, None, :]
+    along = np.einsum("mkd,md->mk", offset, offset[:, 0])
+    beyond = along < _OPPOSITE * distance * distance[:, :1]
+    first = np.take_along_axis(distance, beyond.argmax(axis=1)[:, None], axis=1)[:, 0]
+    known = beyond.any(axis=1)
+    return distance[:, 0] + np.where(known, first, distance[:, 0]), known
 
 
 def _neighborhoods(

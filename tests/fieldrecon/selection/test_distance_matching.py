@@ -9,6 +9,7 @@ from fieldrecon.datasets.synthetic import clustered, uniform
 from fieldrecon.selection import distance_matching as module
 from fieldrecon.selection.distance_matching import (
     distance_matched_folds,
+    gap_widths,
     held_out_distances,
     nearest_neighbor_distances,
     wasserstein_distance,
@@ -69,6 +70,34 @@ def test_a_grid_between_tracks_is_matched_and_by_leave_one_out_it_is_not():
     nodes = np.stack(np.meshgrid(*2 * (np.linspace(0.03, 0.97, 60),)), axis=-1).reshape(-1, 2)
     own, folds = differences(tracks(50), nodes)
     assert folds < 0.15 < 0.75 < own
+
+
+def test_the_width_of_a_gap_is_found_on_both_sides():
+    """The nearest of all samples, and the nearest within 60 degrees of the opposite direction."""
+    points, x = tracks(5), uniform(200, 2, seed=3) * 1.4 - 0.2
+    for query, width in zip(x, gap_widths(points, x), strict=True):
+        offset = points - query
+        distance = np.linalg.norm(offset, axis=1)
+        nearest = offset[np.argmin(distance)]
+        beyond = offset @ nearest < -0.5 * distance * distance.min()
+        opposite = distance[beyond].min() if beyond.any() else distance.min()
+        assert width == pytest.approx(distance.min() + opposite)
+
+
+def test_held_out_samples_have_the_gaps_of_the_queries(monkeypatch):
+    """Between tracks all gaps are as wide as the tracks are apart; along them they would not be."""
+    points = tracks(50)
+    x = uniform(500, 2, seed=3) * 0.9 + 0.05
+
+    def half_of_the_gaps():
+        folds = distance_matched_folds(points, x)
+        found = [gap_widths(points[fold.fitted], points[fold.held_out]) for fold in folds]
+        return np.median(np.concatenate(found))
+
+    wanted = np.median(gap_widths(points, x))
+    assert half_of_the_gaps() == pytest.approx(wanted, rel=0.1)
+    monkeypatch.setattr(module, "_WIDER", np.inf)
+    assert half_of_the_gaps() < 0.8 * wanted
 
 
 @pytest.mark.slow
