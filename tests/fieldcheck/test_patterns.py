@@ -366,7 +366,7 @@ def test_a_factor_is_said_once():
 
 
 def test_missing_digits_of_stored_values_are_no_other_factor():
-    """Far from the origin, the opposite of a stored value is that of the right one with an error.
+    """Stored values have twelve digits, so far from the origin a factor is known less exactly.
 
     The factor is taken from the case with the least tolerance.
     """

@@ -647,8 +647,8 @@ def test_the_field_of_the_exercise_rotates_about_the_mean():
 def test_cell_velocities_belong_to_circumcentres_in_rotations():
     """p. 23-25, 44: for an expansion the value belongs to the symmedian point Σl²q / Σl² instead.
 
-    No point is that of every strain: with S = diag(1, -1) the error at the circumcentre of an
-    equilateral triangle is half its circumradius.
+    For a strain the value belongs to another point, which depends on the strain: with
+    S = diag(1, -1) the error at the circumcentre of an equilateral triangle is half its radius.
     """
     q = [[0, 0], [4, 0], [0, 3]]
     edges = [(1, 2), (2, 0), (0, 1)]  # the k-th opposite q_k

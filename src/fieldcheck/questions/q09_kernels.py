@@ -47,9 +47,8 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
     apart[:4, 0], apart[4:, 1] = random.uniform(1, 2, 4), 2.0**-28 * random.uniform(1, 2, 5)
     whole, sides = random.integers(-9, 10, (6, 6)), random.integers(1, 10, (6, 2))
     turned = np.linalg.qr(random.normal(size=(7, 7)))[0]
-    alike = np.eye(5)[
-        :, :4
-    ]  # its rows have one or two entries, so an elimination has no rounding errors
+    # its rows have one or two entries, so an elimination has no rounding errors
+    alike = np.eye(5)[:, :4]
     alike[0, 1], alike[1, 1] = 1.0, 2.0**-35
     form = random.normal(size=(5, 5))
     large = (turned * np.linspace(2e6, 9e6, 7)).dot(turned.T)

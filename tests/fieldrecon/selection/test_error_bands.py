@@ -166,7 +166,7 @@ def literal_roughness(points, residuals, x, mean):
 
 @pytest.mark.parametrize(("n", "d"), [(300, 2), (9, 2), (200, 3)])
 def test_the_roughness_is_a_weighted_mean_of_the_nearest_residuals(n, d):
-    """Without a fold it is that of the other samples, still relative to the mean of all."""
+    """If a fold is held out, the other samples give the roughness, relative to the mean of all."""
     points, x = fr.datasets.uniform(n, d, seed=0), fr.datasets.uniform(20, d, seed=1)
     residuals = np.random.default_rng(0).uniform(1, 3, n) * (1 + points[:, 0])
     mean = np.mean(residuals**2)
@@ -190,7 +190,7 @@ def test_where_the_residuals_vanish_the_roughness_is_a_thousandth():
 
 @pytest.mark.parametrize(("n", "bins"), [(30, 1), (100, 2), (399, 9), (1000, 10)])
 def test_bins_by_distance_divide_the_held_out_samples(n, bins):
-    """Their numbers differ by at most one, and the mean of their coverage is that of all."""
+    """Bins have equal numbers of samples, up to one; their mean coverage is that of all samples."""
     points = fr.datasets.uniform(n, 2, seed=0)
     band = ErrorBand(points, single_folds(n), np.random.default_rng(0).standard_normal(n))
     farthest, covered, counts = map(np.array, zip(*band.coverage_by_distance(), strict=True))
