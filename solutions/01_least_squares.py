@@ -277,16 +277,16 @@ def plane_and_points(n):
 # length.
 #
 # Rounding errors turn zero singular values into small ones. Take the singular values of the matrix
-# of the coordinates, without the column of ones, after the same vector has been subtracted from
-# all points (hint 1 asks which). Count a singular value as zero if it is at most $10^{-9}$ times
-# the extent of the points. The extent is the largest difference between two values of one
+# of the coordinates, without the column of ones, after one of the points, or their mean, has been
+# subtracted from all points (hint 1 asks why). Count a singular value as zero if it is at most
+# $10^{-9}$ times the extent of the points. The extent is the largest difference between two values of one
 # coordinate.
 #
 # <details><summary>Hint 1</summary>
 #
-# A common translation of all points changes neither the fitted field nor the rank. Which vector can
-# you subtract from all points first? What is then the rank of the column of ones and the remaining
-# columns together?
+# A common translation of all points changes neither the fitted field nor the rank. After the
+# subtraction one row of the coordinates, or their sum, is zero. What is then the rank of the column
+# of ones and the remaining columns together?
 #
 # </details>
 #

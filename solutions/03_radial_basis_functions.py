@@ -484,7 +484,8 @@ def far_away(reach):
 # A computed eigenvalue is rarely exactly zero. Count it as zero if its absolute value is less than
 # $10^{-12}$ times the largest absolute value: rounding errors are relative to the largest
 # eigenvalue. (In another unit of length the same points may have other eigenvalues that count as
-# zero. A translation changes no sign, and in the check nothing that counts as zero.)
+# zero. You may move the points to the origin first: this changes neither the signs nor, in the
+# check, which eigenvalues count as zero.)
 #
 # <details><summary>Hint</summary>
 #

@@ -185,10 +185,12 @@ def _set_axes(axes: Axes, result: TargetValues) -> None:
     middle_y = targets.points[:, 1].min() / 2 + targets.points[:, 1].max() / 2
     stretch = 1 / max(np.cos(np.radians(middle_y)), 0.1) if result.lonlat else 1.0
     width, height = np.ptp(targets.points[:, :2], axis=0)
-    if width > 0 and 0.3 < stretch * height / width < 3:
-        axes.set_aspect(stretch)
+    slimness = stretch * height / width if width > 0 else np.inf
     axes.ticklabel_format(useOffset=False, style="plain")  # all digits, as on a map
     axes.locator_params(nbins=5)
+    if 0.3 < slimness < 3:
+        axes.set_aspect(stretch)
+        axes.locator_params("x", nbins=int(np.ceil(5 / max(slimness, 1.0))))
     axes.grid(visible=False)
 
 

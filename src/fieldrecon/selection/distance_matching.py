@@ -143,10 +143,9 @@ def distance_matched_folds(
     times as wide as those about samples, so are samples on the other side, up to the width of the
     gap of the query: the distance from its nearest sample, plus that from the nearest one on the
     other side. The distances come from the drawn queries; where samples are sparse, they are given
-    the larger ones. A fold excludes at most a fifth of the
-    samples; a query too far for that is left out, and the largest of the `held_out_distances` is
-    the distance up to which errors are known. If all queries are too far, nothing but the held-out
-    samples is excluded.
+    the larger ones. A fold excludes at most a fifth of the samples; a query too far for that is
+    left out, and the largest of the `held_out_distances` is the distance up to which errors are
+    known. If all queries are too far, nothing but the held-out samples is excluded.
 
     Parameters
     ----------

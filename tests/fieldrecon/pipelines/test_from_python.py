@@ -16,7 +16,7 @@ from scipy.spatial.distance import cdist
 import fieldrecon as fr
 from fieldrecon.cli.main import main
 from fieldrecon.io.frames import as_source
-from fieldrecon.pages.reconstruction_page import pictures, summary
+from fieldrecon.pages.reconstruction_page import _flattened, pictures, summary
 from fieldrecon.pipelines import audit, reconstruct, surface
 from fieldrecon.pipelines.scans import ScanResult
 from fieldrecon.solids.marching_cubes import extract_surface
@@ -677,3 +677,9 @@ def test_scans_and_audits_make_pages(tmp_path):
     assert page.count("<img") == 1
     assert "Left: nothing." in page
     assert len(found.plot().axes) == 2
+
+
+def test_arguments_of_a_kernel_have_names_of_their_own():
+    """On the page of a survey nested arguments are listed one by one."""
+    described = {"name": "RBF", "kernel": {"name": "matern", "scale": 2.0}, "degree": None}
+    assert _flattened(described) == {"name": "RBF", "kernel": "matern", "kernel scale": 2.0}
