@@ -94,12 +94,19 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
 
 
 def slopes_inputs(seed: int) -> tuple[Call, ...]:
-    """Return the same, and the two Gauss points between two nodes of the line."""
+    """Return the same, other units of length, and two Gauss points between nodes of the line."""
     calls = meshes("slopes", seed)
-    line = calls[3].arguments[0]
+    (plane, x), (line, _) = calls[0].arguments, calls[3].arguments
+    y = np.random.default_rng(seed + 1).uniform(-0.2, 2, (4, 1))
     middle, half = (line[1] + line[2]) / 2, (line[2] - line[1]) / 2
     points = middle + half * np.array([[-1.0], [1.0]]) / np.sqrt(3)
-    return (*calls, Call("slopes", (line, points), "two points between two nodes of the line"))
+    return (
+        *calls,
+        Call("slopes", (1e3 * plane, 1e3 * x), "twelve nodes in the plane, in millimetres"),
+        Call("slopes", (2.0**-19 * plane, 2.0**-19 * x), "twelve nodes in the plane, 10⁻⁶ apart"),
+        Call("slopes", (2.0**-19 * line, 2.0**-19 * y), "five nodes on the line, 10⁻⁶ apart"),
+        Call("slopes", (line, points), "two points between two nodes of the line"),
+    )
 
 
 @law(

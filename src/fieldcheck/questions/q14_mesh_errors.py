@@ -191,6 +191,17 @@ def large_numbers(random: np.random.Generator) -> dict[str, Surface]:
     }
 
 
+def numbers_on_both_sides(random: np.random.Generator) -> dict[str, Surface]:
+    """Return triangles that a key of two vertices, i + 100 j or i + 1000 j for i < j, confuses."""
+    made = {}
+    for base in (100, 1000):
+        i, (j, k) = random.integers(1, 5), np.sort(base + 50 + 2 * random.permutation(20)[:2])
+        triangles = np.array([[base + i, j, k], [i, j + 1, k + 1]])
+        points = random.normal(size=(base + 100, 3))
+        made[f"two triangles with numbers below and above {base}"] = points, triangles
+    return made
+
+
 def larger_numbers(random: np.random.Generator) -> dict[str, Surface]:
     """Return triangles whose vertex numbers differ by 256 or 512, which a byte cannot show."""
     points, triangles = alike(random, 256)
@@ -251,13 +262,14 @@ def edge_surfaces(seed: int) -> dict[str, Surface]:
         **few(random),
         "triangles like three pages of a book": shuffled(random, book(3)),
         **thousands(random),
+        **numbers_on_both_sides(random),
     }
 
 
 TIMES = (
     *((0, 108), (14, 58), (22, 6, 3, 0, 5), (0, 60), (0, 672), (0, 768)),
     *((0, 102, 9), (0, 66, 9), (6,), (6,), (3, 204), (3, 204), (6,), (6,), (5, 4), (6, 0, 3)),
-    *((6,), (6,)),
+    *4 * ((6,),),
 )
 """The number of sides of these surfaces that belong to an edge of one, two, … triangles."""
 
@@ -315,13 +327,16 @@ def euler_inputs(seed: int) -> tuple[Call, ...]:
         ),
         *(
             Call("euler_characteristic", (triangles,), case)
-            for surfaces in (large_numbers, hundreds, larger_numbers, few, thousands)
+            for surfaces in (
+                *(large_numbers, hundreds, larger_numbers, few, thousands),
+                numbers_on_both_sides,
+            )
             for case, (_, triangles) in surfaces(random).items()
         ),
     )
 
 
-CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 1, 1, 2, 4, 0, 2, 2, 1, -1, 2, 2, 1, 2, 2)
+CHARACTERISTICS = (2, 0, 1, 0, 2, 36, 1, 1, 1, 2, 4, 0, 2, 2, 1, -1, 2, 2, 1, 2, 2, 2, 2)
 
 
 @law(
@@ -366,13 +381,13 @@ def loop_inputs(seed: int) -> tuple[Call, ...]:
             "a torus of 75 vertices with two holes": without(ring(5, 15), 0, 70),
         }.items()
     }
-    made |= larger_numbers(random) | few(random)
+    made |= larger_numbers(random) | few(random) | numbers_on_both_sides(random)
     return tuple(Call("boundary_loops", (len(p), t), case) for case, (p, t) in made.items())
 
 
 LENGTHS = (
     *((14,), (3, 4), (6, 6), (12,), (), (8, 8), (), (3,), (), (40,), (3,)),
-    *((6,), (3,), *6 * ((3, 3),), (5,)),
+    *((6,), (3,), *6 * ((3, 3),), (5,), *2 * ((3, 3),)),
 )
 
 

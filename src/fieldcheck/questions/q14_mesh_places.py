@@ -19,6 +19,7 @@ from fieldcheck.questions.q14_mesh_errors import (
     joined,
     large_numbers,
     larger_numbers,
+    numbers_on_both_sides,
     ring,
     sheet,
     shuffled,
@@ -184,6 +185,7 @@ def turn_inputs(seed: int) -> tuple[Call, ...]:
         "halves of a sphere that meet without common vertices": shuffled(random, halves(1, 5)),
     }
     made = larger_numbers(random) | few(random) | seams | long_ones(random)
+    made |= tails(random) | numbers_on_both_sides(random)
     return (*calls, *(Call("turns", surface, case, exact=(0,)) for case, surface in made.items()))
 
 
@@ -200,7 +202,27 @@ def long_ones(random: np.random.Generator) -> dict[str, Surface]:
     return {case: (random.normal(size=p.shape), t) for case, (p, t) in made.items()}
 
 
-ONE_SIDED = (0, 0, 0, 0, 24, 0, 24, 0, 0, 0, 0, 0, 67, 0, 0, 0, 0, 0, 0, 0)
+def tails(random: np.random.Generator) -> dict[str, Surface]:
+    """Return Möbius strips with three long tails, of which no reversal makes a part consistent.
+
+    A walk that stops at the first contradiction does not reach the ends of the tails.
+    """
+    made = {}
+    for long in (20, 25):
+        tail = sheet(1, long)
+        n, m = 18, len(tail[0])
+        ends = [n + k * m + end for k in range(3) for end in (0, long + 1)]
+        strip = fused(joined(band(1, 6), tail, tail, tail), *zip(range(6), ends, strict=True))
+        points, triangles = shuffled(random, flipped(random, strip))
+        case = f"a Möbius strip with three tails of {2 * long} triangles"
+        made[case] = random.normal(size=points.shape), triangles
+    return made
+
+
+ONE_SIDED = (
+    *(0, 0, 0, 0, 24, 0, 24, 0, 0, 0, 0, 0, 67, 0, 0, 0, 0, 0, 0, 0),
+    *(144, 174, 0, 0),
+)
 """The number of triangles of these surfaces that belong to a one-sided part."""
 
 

@@ -172,10 +172,15 @@ def test_the_cells_of_a_picture_are_centred_at_their_nodes():
     assert _outer(np.array([3.0, 3.0])) == (2.5, 3.5)  # a cell has a width
 
 
-def survey_of(values, error, flags):
-    """A survey on a grid of 4 by 3 nodes whose result has this value, error and flag."""
+@pytest.fixture(scope="module")
+def some_survey():
+    """One on a grid of 4 by 3 nodes, whose samples and values the tests replace."""
     points = np.random.default_rng(2).random((12, 2))
-    survey = reconstruct(points, value=points[:, 0], method="ls1", grid=(4, 3))
+    return reconstruct(points, value=points[:, 0], method="ls1", grid=(4, 3))
+
+
+def with_values(survey, values, error, flags):
+    """The survey with these values, errors and flags at its targets."""
     columns = [np.asarray(a, dtype=float).ravel() for a in (values, error)]
     flags = np.asarray(flags).ravel()
     return replace(
@@ -191,13 +196,15 @@ def shown(page):
     return axes, picture, bar.get_ylabel(), others
 
 
-def test_the_colours_of_a_field_range_over_the_values_among_the_samples():
+def test_the_colours_of_a_field_range_over_the_values_among_the_samples(some_survey):
     """Whatever is extrapolated, or not a number; white veils what is extrapolated by half."""
     values = np.arange(12.0).reshape(3, 4)
     values[0, 2] = np.nan
     flags = np.zeros((3, 4), dtype=int)
     flags[2, 1:], flags[0, 0] = (GAP, GAP, OUTSIDE), GAP
-    axes, picture, label, (veil, *outline) = shown(plot(survey_of(values, values, flags)))
+    axes, picture, label, (veil, *outline) = shown(
+        plot(with_values(some_survey, values, values, flags))
+    )
     assert picture.get_clim() == (1.0, 8.0)
     assert label == "value"
     np.testing.assert_array_equal(picture.get_array(), values)
@@ -212,46 +219,48 @@ def test_the_colours_of_a_field_range_over_the_values_among_the_samples():
     assert line.get_paths()
 
 
-def test_only_a_grid_with_nodes_outside_the_samples_is_hatched():
+def test_only_a_grid_with_nodes_outside_the_samples_is_hatched(some_survey):
     """A gap among the samples is pale, and no more."""
     values = np.arange(12.0)
-    _, _, _, (_, *outline) = shown(plot(survey_of(values, values, np.full(12, GAP))))
+    _, _, _, (_, *outline) = shown(plot(with_values(some_survey, values, values, np.full(12, GAP))))
     assert not outline
 
 
 @pytest.mark.parametrize(
     ("spread", "low"), [(10.0, None), (29.0, None), (31.0, 1 / 31), (1e6, 1e-4)]
 )
-def test_errors_of_different_sizes_are_drawn_by_their_logarithms(spread, low):
+def test_errors_of_different_sizes_are_drawn_by_their_logarithms(some_survey, spread, low):
     """Over four decades at most; errors where the field is extrapolated change nothing."""
     error = np.full(12, 2.0)
     error[:2], error[-1] = 2.0 / spread, 1e9
     flags = np.where(np.arange(12) < 11, AMONG, OUTSIDE)
-    _, picture, label, _ = shown(plot_error(survey_of(error, error, flags)))
+    _, picture, label, _ = shown(plot_error(with_values(some_survey, error, error, flags)))
     assert label == "error of value"
     assert isinstance(picture.norm, LogNorm) == (low is not None)
     assert picture.get_clim() == pytest.approx((2.0 * (low or 1 / spread), 2.0))
 
 
-def test_an_error_of_zero_has_no_logarithm():
+def test_an_error_of_zero_has_no_logarithm(some_survey):
     """The range of colours begins at zero."""
     error = np.arange(12.0)
-    _, picture, _, _ = shown(plot_error(survey_of(error, error, np.zeros(12, dtype=int))))
+    _, picture, _, _ = shown(
+        plot_error(with_values(some_survey, error, error, np.zeros(12, dtype=int)))
+    )
     assert picture.get_clim() == (0.0, 11.0)
     assert not isinstance(picture.norm, LogNorm)
 
 
-def test_where_all_is_extrapolated_a_picture_has_colours_too():
+def test_where_all_is_extrapolated_a_picture_has_colours_too(some_survey):
     """Those of all values."""
     error = np.arange(12.0)
     for draw in (plot, plot_error):
-        _, picture, _, _ = shown(draw(survey_of(error, error, np.full(12, OUTSIDE))))
+        _, picture, _, _ = shown(draw(with_values(some_survey, error, error, np.full(12, OUTSIDE))))
         assert picture.get_clim() == (0.0, 11.0)
 
 
-def test_the_distance_from_the_nearest_sample_is_drawn():
+def test_the_distance_from_the_nearest_sample_is_drawn(some_survey):
     """From zero on."""
-    survey = survey_of(np.zeros(12), np.zeros(12), np.zeros(12, dtype=int))
+    survey = with_values(some_survey, np.zeros(12), np.zeros(12), np.zeros(12, dtype=int))
     _, picture, label, _ = shown(plot_nearest(survey, cmap="magma"))
     expected = cKDTree(survey.samples.points).query(survey.result.targets.points)[0]
     np.testing.assert_array_equal(np.ravel(picture.get_array()), expected)
@@ -259,15 +268,27 @@ def test_the_distance_from_the_nearest_sample_is_drawn():
     assert label == "distance from the nearest sample"
 
 
-def test_on_the_globe_the_distance_from_the_nearest_sample_is_an_angle():
+def on_globe(survey, samples, at):
+    """The survey as if its samples and targets were longitudes and latitudes."""
+    zeros = np.zeros(len(at))
+    result = replace(
+        survey.result,
+        targets=Targets(at),
+        values=zeros,
+        error=zeros,
+        extrapolated=zeros.astype(int),
+        lonlat=True,
+    )
+    return replace(survey, samples=replace(survey.samples, points=samples), result=result)
+
+
+def test_on_the_globe_the_distance_from_the_nearest_sample_is_an_angle(some_survey):
     """In degrees; along a meridian it is the difference of the latitudes."""
-    lat = np.linspace(-60.0, 60.0, 9)
+    samples = np.column_stack([np.full(9, 10.0), np.linspace(-60.0, 60.0, 9)])
     at = np.column_stack([np.full(3, 10.0), [-60.0, 0.0, 67.0]])
-    samples = np.column_stack([np.full(9, 10.0), lat])
-    survey = reconstruct(samples, value=lat, lonlat=True, method="mean", at=at)
-    _, picture, label, _ = shown(plot_nearest(survey))
+    _, picture, label, _ = shown(plot_nearest(on_globe(some_survey, samples, at)))
     order = np.lexsort(at.T)
-    np.testing.assert_allclose(picture.get_array(), np.array([0.0, 0.0, 7.0])[order], atol=1e-5)
+    np.testing.assert_allclose(picture.get_array(), np.array([0.0, 0.0, 7.0])[order], atol=1e-9)
     assert label == "distance from the nearest sample, degrees"
 
 
@@ -286,23 +307,14 @@ def test_one_of_several_values_is_drawn():
 
 
 @pytest.mark.parametrize("first", [-30.0, 0.0, 200.0, 355.0])
-def test_samples_on_the_globe_are_drawn_where_the_targets_are(first):
+def test_samples_on_the_globe_are_drawn_where_the_targets_are(first, some_survey):
     """A longitude may be given from -180 to 180, from 0 to 360, or beyond."""
-    points = np.column_stack([first + np.arange(0.0, 20.0), np.linspace(-10, 10, 20)])
-    values = points[:, 1]
-    turned = np.column_stack([(points[:, 0] + 180) % 360 - 180, points[:, 1]])
-    survey = reconstruct(turned, value=values, lonlat=True, method="mean", at=points)
+    at = np.column_stack([first + np.arange(20.0), np.linspace(-10, 10, 20)])
+    turned = np.column_stack([(at[:, 0] + 180) % 360 - 180, at[:, 1]])
     with figure() as (_, axes):
-        _draw_samples(axes, survey)
+        _draw_samples(axes, on_globe(some_survey, turned, at))
         (samples,) = axes.lines
-    np.testing.assert_allclose(
-        (samples.get_xdata() - survey.result.targets.points[:, 0].min()) % 360,
-        points[:, 0] - first,
-        atol=1e-9,
-    )
-    low, high = samples.get_xdata().min(), samples.get_xdata().max()
-    assert survey.result.targets.points[:, 0].min() == low
-    assert high - low == pytest.approx(19.0)
+    np.testing.assert_allclose(samples.get_xydata(), at)
 
 
 @pytest.mark.parametrize(("number", "size"), [(4, 3.0), (400, 2.0), (40_000, 0.4)])
