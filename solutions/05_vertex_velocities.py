@@ -519,8 +519,9 @@ def rings_around(vertex):
 
 # %% question="05.7" minutes=10
 def system(midpoints, normals, x):
-    """Return B′ of (5.6), of shape (n, 6), for midpoints (n, 2), normals (n, 2), the vertex x
-    (2,).
+    """Return B′ of (5.6), of shape (n, 6).
+
+    Midpoints and normals have the shape (n, 2), the vertex x has (2,).
     """
     # BEGIN SOLUTION
     y = midpoints - x
@@ -674,8 +675,9 @@ def reconstruction(rings, epsilon, seed):
 
 # %% question="05.9" minutes=25
 def ranks(points, triangles, rings):
-    """Return the rank of B′ at each vertex, of shape (K,), for points (K, 2) and triangles (T,
-    3).
+    """Return the rank of B′ at each vertex, of shape (K,).
+
+    The points have the shape (K, 2), the triangles (T, 3).
     """
     # BEGIN SOLUTION
     edges = edges_of(triangles)

@@ -193,6 +193,14 @@ def opposite_side_first(triangles):
 
 
 @answers("14.2")
+def all_first_sides_first(triangles):
+    """The numbers are right, but in another order. In `sides` the three sides of a triangle follow
+    each other.
+    """
+    return at_sides(triangles).reshape(-1, 3).T.ravel()
+
+
+@answers("14.2")
 def triangles_at_vertices(triangles):
     """This counts the triangles at a vertex. An edge has two ends: count the triangles that have
     both.

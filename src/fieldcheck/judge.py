@@ -278,7 +278,8 @@ def _wrong(
                 violated = []
                 break
             text = law.amount and f"For {calls[index].case}, {law.amount.format(deviation)}."
-            text = text or _difference(question, calls[index], units[index], right, index)
+            shown = _units_of_law(law, calls, values, right, index, units[index])
+            text = text or _difference(question, calls[index], shown, right, index)
             yield "wrong", _joined(law.sentence, text), index
             return
     if violated:
@@ -340,6 +341,25 @@ def _deviation_alone(
     return _deviation(law, calls, [*right[:index], values[index], *right[index + 1 :]])
 
 
+def _units_of_law(
+    law: Law,
+    calls: Sequence[Call],
+    values: Sequence[Values],
+    right: Sequence[Values],
+    index: int,
+    units: Sequence[np.ndarray],
+) -> list[np.ndarray]:
+    """Return the differences of the arrays that violate the law beside right ones; if none, all."""
+
+    def violates(part: int) -> bool:
+        mixed = (*right[index][:part], values[index][part], *right[index][part + 1 :])
+        each = [*values[:index], mixed, *values[index + 1 :]]
+        return _deviation_alone(law, calls, each, right, index) > law.tolerance
+
+    broken = [violates(part) for part in range(len(units))]
+    return [u if b or not any(broken) else 0 * u for u, b in zip(units, broken, strict=True)]
+
+
 def _is_hardly_violated(
     law: Law,
     calls: Sequence[Call],
@@ -385,7 +405,7 @@ def _difference(
     if np.isclose(off, 1) and are_truth_values(answers):
         return f"For {call.case}, {entry} {_of_two(compared.flat[int(np.argmax(units[part]))])}."
     text = f"For {call.case}, {entry} is off by {off:.2g}."
-    if are_whole(wanted):
+    if all(are_whole(values[part]) for values in answers):
         which = "All right values here" if len(units) == 1 else "All right values of this array"
         return f"{text} {which} are whole numbers."
     return (

@@ -205,7 +205,7 @@ def _where(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
         )
         is_zero = not any(r.any() for r in right[0].right)
         is_number = _are_single_whole_numbers([case.right for case in cases])
-        is_chance = is_special or is_zero or is_number
+        is_chance = is_special or is_zero or is_number or bool(_order(wrong))
         return "" if is_chance else f"{HERE} right only for {right[0].name}."
     return _dimensions({case.dimension for case in right}, {case.dimension for case in wrong})
 

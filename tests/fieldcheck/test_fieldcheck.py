@@ -155,6 +155,23 @@ def test_the_shown_case_violates_the_quoted_law():
     assert sentence(9, of_each=True).startswith("For 5 numbers, entry [0] is off by 9.")
 
 
+def test_the_shown_array_violates_the_quoted_law():
+    """An array with a larger error of which the law says nothing is not shown with it."""
+    pair = replace(
+        TWICE,
+        shapes=lambda call: (call.arguments[0].shape, ()),
+        laws=(Law("Twice.", lambda made, values: is_linear(made, [(v[0],) for v in values])),),
+    )
+    right = Answers(tuple((2 * call.arguments[0], np.array(1.0)) for call in CALLS), ())
+
+    def sentence(first, second):
+        outcomes = perform({"twice": lambda x: (2 * x + first, 1.0 + second)}, CALLS, 600)
+        return judge(pair, CALLS, outcomes, right).sentence
+
+    assert re.match(r"Twice. For 5 numbers, entry \[.\] of the first array is", sentence(0.1, 9))
+    assert sentence(0, 9).startswith("For 5 numbers, the second number is off by 9.")
+
+
 def test_the_first_failing_case_is_shown():
     """Cases begin with the plain ones; the error of a later one may be larger, or the law too."""
 

@@ -121,6 +121,16 @@ def test_a_right_number_among_wrong_ones_tells_nothing():
     assert pattern(count, calls, *halved) == told
 
 
+def test_a_case_that_looks_alike_in_both_orders_is_not_called_the_only_right_one():
+    """Its columns are equal, so that it is right by chance: the order says it all."""
+    tables = [(np.random.default_rng(n).normal(size=(n, n)),) for n in (5, 6, 7)]
+    tables[0] = (np.tile(tables[0][0][:, :1], 5),)
+    calls = [Call("table", table, f"a table of {len(table[0])} rows") for table in tables]
+    values = [(table[:, ::-1],) for (table,) in tables]
+    found = pattern(TABLE, calls, values, tables)
+    assert found == "The wrong arrays are right with their columns in the reverse order."
+
+
 def test_nothing_is_said_on_which_cases_are_right_if_some_are_missing():
     """The other cases returned nothing that can be compared."""
     right = [call.arguments for call in CALLS]

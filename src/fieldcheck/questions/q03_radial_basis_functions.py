@@ -264,9 +264,9 @@ def coefficients_inputs(seed: int) -> tuple[Call, ...]:
         ((affine, almost), "an affine field with one value changed"),
         (
             (integers(plane, 100), integers(random.normal(size=12))),
-            "twelve points and values, integers",
+            "twelve points in a square of 100, points and values integers",
         ),
-        ((integers(space, 100), random.normal(size=10)), "ten points in space, integers"),
+        ((integers(space, 100), random.normal(size=10)), "ten points in a cube of 100, integers"),
         ((plane, TINY * random.normal(size=12)), "twelve points, values of size 10⁻¹⁰"),
         ((space, TINY * random.normal(size=10)), "ten points in space, values of size 10⁻¹⁰"),
     )
