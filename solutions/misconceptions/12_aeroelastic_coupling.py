@@ -386,7 +386,7 @@ def by_coarse_differences(nodes, points):
     """These are difference quotients with a rather large step, right to a few digits only. (12.2)
     can be differentiated exactly, entry by entry.
     """
-    step = 1e-3
+    step = 1e-3 * np.ptp(nodes, axis=0).max()
     ways = step * np.eye(nodes.shape[1])
     return np.stack(
         [(right_weights(nodes, points + e) - right_weights(nodes, points)) / step for e in ways]
