@@ -397,6 +397,38 @@ def test_separating_planes_remove_most_pairs_of_flat_faces():
     assert 0 < many < 2.5 * few
 
 
+@pytest.mark.parametrize("up", [1.0, -1.0])
+def test_triangles_that_touch_at_two_vertices_in_one_place_are_close(up):
+    """No plane separates them strictly: only a shared vertex may lie on it."""
+    flat = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    points = np.concatenate([flat, [[0, 0, 0], [0.2, 0.3, up], [0.3, 0.2, up]]])
+    for one, other in itertools.product(
+        *(itertools.permutations(t) for t in ([0, 1, 2], [3, 4, 5]))
+    ):
+        assert close_pairs(points, np.array([one, other])).tolist() == [[0, 1]]
+        shared = np.where(np.array(other) == 3, 0, other)
+        assert close_pairs(points, np.array([one, shared])).tolist() == []
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+def test_simplices_are_flat_within_a_tolerance_of_the_radius_of_their_inscribed_ball(unit):
+    """Three volumes over the area of a tetrahedron, two areas over the perimeter of a triangle."""
+    rng = np.random.default_rng(2)
+    for d in (2, 3):
+        corners = unit * rng.normal(size=(d + 1, 1, d))
+        volume = np.linalg.det(corners[1:, 0] - corners[0, 0])
+        faces = [np.delete(corners[:, 0], k, axis=0) for k in range(d + 1)]
+        grams = [(f[1:] - f[0]) @ (f[1:] - f[0]).T for f in faces]
+        radius = abs(volume) / sum(np.sqrt(np.linalg.det(g)) for g in grams)
+        orient = _predicates.orient2d if d == 2 else _predicates.orient3d
+        assert orient(*corners, tolerance=radius * (1 - 1e-9)) == np.sign(volume)
+        assert orient(*corners, tolerance=radius * (1 + 1e-9)) == 0
+        if d == 2:
+            in_space = np.concatenate([corners, np.ones((3, 1, 1))], axis=2) @ ROTATION.T
+            assert not _predicates.collinear(*in_space, tolerance=radius * (1 - 1e-9)).any()
+            assert _predicates.collinear(*in_space, tolerance=radius * (1 + 1e-9)).all()
+
+
 def test_orientation_signs_are_exact():
     """On the example of Kettner and others, with steps of 2⁻⁵³, signs equal rational arithmetic."""
     k = np.arange(64) * 2.0**-53
@@ -514,11 +546,12 @@ def test_the_hierarchy_finds_the_boxes_that_overlap_and_no_others():
 
 
 def test_progress_is_reported():
-    """The number of processed pairs of boxes increases to the total."""
+    """The number of processed pairs of boxes increases to the total, in several steps."""
     seen = []
     audit_mesh(*bumpy(3), progress=lambda done, total: seen.append((done, total)))
     assert [done for done, _ in seen] == sorted(done for done, _ in seen)
     assert seen[-1][0] == seen[-1][1]
+    assert len(seen) > 3
 
 
 @pytest.mark.parametrize(
