@@ -89,6 +89,21 @@ def test_a_shell_thinner_than_the_step_is_missed():
     assert np.isfinite(fr.solids.ray_intersections(shell, *ray, 0.0005))
 
 
+@pytest.mark.parametrize("height", [1.25, 1.0, 1.375, 2.75])
+def test_the_zero_of_a_linear_function_takes_one_evaluation(height):
+    """After those at the steps: interpolation between the last two is exact in binary numbers."""
+    seen = []
+
+    def plane(x):
+        seen.extend(x[:, 2])
+        return height - x[:, 2]
+
+    found = fr.solids.ray_intersections(plane, [[0, 0, 3.0]], [0, 0, -2.0], 6.0, 0.5)
+    assert found == 3 - height
+    steps = np.arange(3.0, height - 0.5, -0.5)
+    assert seen == [*steps[: np.argmax(steps <= height) + 1], height]
+
+
 @pytest.mark.parametrize("length", [0.0, 0.25, 2.0])
 def test_a_ray_that_ends_on_the_surface_meets_it(length):
     """There the function is zero, and not yet positive; a shorter ray does not."""

@@ -171,6 +171,19 @@ def test_surface_samples_are_uniform():
     assert (np.abs(counts - expected) < 4 * np.sqrt(expected)).all()
 
 
+@pytest.mark.parametrize("slope", [0.3, 1.0, 3.0])
+def test_points_are_drawn_on_a_surface_whatever_the_slope_of_the_field_there(slope):
+    """They are projected by Newton's method, which divides by the squared slope."""
+
+    class Scaled(Ball):
+        def _from_center(self, y):
+            return tuple(slope * part for part in super()._from_center(y))
+
+    points, normals = sample_surface(Scaled(1.0), 500, seed=3)
+    assert_close(np.linalg.norm(points, axis=1), np.ones(500), 1e-10)
+    assert_close(normals, points, 1e-10)
+
+
 def test_noise_is_along_the_normal():
     """Its standard deviation is the given one; tangential components are zero."""
     points, normals = sample_surface(Ball(1.0), 4000, seed=5)

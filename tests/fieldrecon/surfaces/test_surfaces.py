@@ -152,7 +152,7 @@ def test_points_are_classified_by_the_angle_at_the_nearest_site(cosine):
 
 @pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
 def test_points_in_a_gap_of_two_sheets_are_a_quarter_of_it_off(unit):
-    """Half the radius of the ball that touches both; less than a twentieth of the distance: none."""
+    """Half the radius of the ball that touches both; none less than a twentieth of the distance."""
     for gap in (0.19, 0.21, 1.0, 3.9, 4.1):
         sheets = unit * np.array([[0, 0, 0], [0, 0, gap]])
         off = off_surface_points(sheets, [[0, 0, 1.0], [0, 0, -1.0]], unit)
@@ -737,22 +737,36 @@ def test_the_search_looks_into_coarse_cells_with_two_signs_or_the_surface_near_t
     assert 0 < len(expected) < np.prod(grid.cells)
 
 
-@pytest.mark.parametrize("body", [Ball(0.3, [0.13, 0.2, -0.1]), Box(0.6) - Ball(0.2)])
+@pytest.mark.parametrize(
+    "body",
+    [
+        Ball(0.3, [0.13, 0.2, -0.1]),
+        Box(0.6) - Ball(0.2),
+        as_solid(Ball(3.0, [-1.7, 1.7, 1.7]), [[-0.4] * 3, [0.4, 0.5, 0.6]]),
+    ],
+    ids=["ball", "cavity", "cut off"],
+)
 def test_a_surface_is_followed_through_every_cell_that_it_crosses(body):
-    """Once through each, from the cells of the search or from a single one of each part."""
+    """Once through each, up to the ends of the grid; progress counts the nodes."""
     grid = surface_extraction.Grid.over(body.box, 0.07)
     index = np.stack(np.meshgrid(*map(np.arange, grid.shape), indexing="ij"), axis=-1)
     inside = body(grid.nodes(index)) > 0
     views = [inside[tuple(slice(k, k - 1 or None) for k in c)] for c in product((0, 1), repeat=3)]
     crossed = np.flatnonzero(np.any(views, axis=0) & ~np.all(views, axis=0))
-    seeds = grid.cells_of(sample_surface(body, 2000, seed=1)[0])
-    assert len(np.setdiff1d(seeds, np.arange(np.prod(grid.cells)))) == 0
-    for some in (surface_extraction.search_box(body, grid), seeds):
-        values, found = surface_extraction.follow_surface(body, grid, some)
+    told = []
+    for some in (surface_extraction.search_box(body, grid), crossed[::20]):
+        told.clear()
+        values, found = surface_extraction.follow_surface(
+            body, grid, some, progress=lambda *counts: told.append(counts)
+        )
         np.testing.assert_array_equal(np.sort(found), crossed)
         known = np.isfinite(values)
         assert_close(values[known], body(grid.nodes(index[known])), 1e-6)
         assert known.ravel()[grid.corners(crossed)].all()
+        done, total = np.array(told).T
+        assert (np.diff(done) >= 0).all()
+        assert (done <= total).all()
+        assert done[-1] == total[-1] == known.sum()
 
 
 def test_points_are_missed_farther_than_two_cells_from_all_vertices():
