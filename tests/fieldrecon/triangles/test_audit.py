@@ -562,6 +562,17 @@ def test_points_within_the_tolerance_are_merged_in_chains(tolerance):
         assert {*map(tuple, np.sort(way(points, tolerance), axis=1).tolist())} == pairs
 
 
+@pytest.mark.parametrize("tolerance", [1e-3, 0.5, 1.0, 2.0, 1e3])
+def test_any_tolerance_is_a_length_and_zero_distinguishes_all_points(tolerance):
+    """Also points whose squared distance is zero in floating-point numbers."""
+    points = tolerance * np.array([[0, 0, 0], [0.9, 0, 0], [3, 0, 0], [3, 1.1, 0]])
+    assert duplicates.merged_vertices(points, tolerance).tolist() == [0, 0, 2, 3]
+    near = points.copy()
+    near[1] = [0, 0, 1e-170]
+    assert duplicates.merged_vertices(near, 0.0).tolist() == [0, 1, 2, 3]
+    assert duplicates.merged_vertices(near[[0, 1, 0, 1]], 0.0).tolist() == [0, 1, 0, 1]
+
+
 # --- output and refusals --------------------------------------------------------------------------
 
 
