@@ -8,6 +8,8 @@ import pytest
 from scipy.spatial import cKDTree
 
 from fieldrecon.datasets.synthetic import uniform
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.methods.rbf import RBF
 from fieldrecon.pipelines.scans import _percent
 from fieldrecon.solids import marching_cubes as surface_extraction
 from fieldrecon.solids.constructive import as_solid, blend, morph, transform
@@ -286,6 +288,13 @@ def test_points_far_from_the_surface_are_nodes_of_lattices_and_lie_on_the_walls(
     assert {*map(tuple, found.round(9).tolist())} == {*expected}
     assert_close(values, np.array([expected[tuple(x)] for x in found.round(9)]), 1e-9)
     assert len(found) == len(expected)
+
+
+@pytest.mark.parametrize(("n", "method"), [(700, RBF), (701, PartitionOfUnityRBF)])
+def test_up_to_700_points_are_interpolated_by_one_system(n, method):
+    """And more by a partition of unity, if no method is given."""
+    body = implicit_surface(spiral(n), spiral(n), smoothing=0.0)
+    assert type(body.field.method) is method
 
 
 def test_distances_are_those_to_first_order():
