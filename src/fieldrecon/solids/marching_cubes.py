@@ -404,6 +404,7 @@ def search_box(solid: Solid, grid: Grid) -> np.ndarray:
 
 
 def _coarser(box: np.ndarray, spacing: float) -> float:
+    """A spacing of three digits that takes no more nodes than are allowed."""
     while (np.ceil((box[1] - box[0]) / spacing) + 4).prod() > NODE_LIMIT:
-        spacing *= 1.05
+        spacing = float(f"{1.05 * spacing:.3g}")
     return spacing

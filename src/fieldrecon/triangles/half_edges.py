@@ -168,4 +168,4 @@ def _cycles(onward: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     for _ in range(len(onward).bit_length()):
         steps, jump = steps + steps[jump], jump[jump]
     size = np.bincount(label, minlength=len(onward))[label]
-    return label, np.where(least, 0, size - steps)
+    return label, -steps % size

@@ -43,10 +43,29 @@ def test_the_nearest_triangle_is_visible_in_its_own_colour():
 
 
 def test_what_lies_beside_the_view_leaves_no_pixel():
-    """A triangle to the left or right, above or below, or beyond a corner, near or far."""
-    triangle = np.array([[0.0, 0, 0], [0.25, 0, 0], [0, 0, 0.25]])
+    """A square to the left or right, above or below, or beyond a corner, near or far."""
+    square = np.array([[0.0, 0, 0], [0.25, 0, 0], [0.25, 0, 0.25], [0, 0, 0.25]])
+    triangles = np.array([[0, 1, 2], [0, 2, 3]])
     view = fr.solids.View.of_box([[-1.0] * 3, [1.0] * 3], (0, -1, 0), 21)
-    for far in (1.3, 1.6, 5.0):
-        for right, up in product((-far, 0.5, far), repeat=2):
-            image = rasterized(triangle + np.array([right, 0, up]), np.array([[0, 1, 2]]), view)
+    for far in (1.01, 1.3, 1.6, 5.0):
+        for right, up in product((-far - 0.25, 0.5, far), repeat=2):
+            image = rasterized(square + np.array([right, 0, up]), triangles, view)
             assert (image[..., 3] > 0).any() == (right == up == 0.5)
+
+
+@pytest.mark.parametrize("turn", [1, -1])
+def test_a_triangle_covers_the_pixels_whose_middles_lie_in_it(turn):
+    """From both sides; on the left of each of its edges, if these turn anticlockwise."""
+    rng = np.random.default_rng(3)
+    view = fr.solids.View.of_box([[-1.0] * 3, [1.0] * 3], (0, -1, 0), 24)
+    middles = view.origins[..., [0, 2]]
+    for corners in rng.uniform(-1.2, 1.2, (20, 3, 2)):
+        u, v = corners[1:] - corners[0]
+        corners = corners[:: int(np.sign(u[0] * v[1] - u[1] * v[0]))]
+        inside = np.ones(middles.shape[:2], dtype=bool)
+        for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+            (x, z), w = b - a, middles - a
+            inside &= x * w[..., 1] - z * w[..., 0] >= 0
+        points = np.insert(corners[::turn], 1, rng.normal(size=3), axis=1)
+        image = rasterized(points, np.array([[0, 1, 2]]), view)
+        np.testing.assert_array_equal(image[..., 3] == 1, inside)

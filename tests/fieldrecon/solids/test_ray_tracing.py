@@ -1,11 +1,14 @@
 """Ray tracing of implicit surfaces: intersections, acceleration, lighting and views."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
 import fieldrecon as fr
+from fieldrecon.solids import ray_casting
 from fieldrecon.solids.ray_casting import LIGHT, phong
-from fieldrecon.solids.shapes import Ball, Torus, sample_surface
+from fieldrecon.solids.shapes import Ball, Box, Torus, sample_surface
 
 BOX = [[-1.2] * 3, [1.2] * 3]
 
@@ -86,6 +89,49 @@ def test_a_shell_thinner_than_the_step_is_missed():
     assert np.isfinite(fr.solids.ray_intersections(shell, *ray, 0.0005))
 
 
+@pytest.mark.parametrize("height", [1.25, 1.0, 1.375, 2.75])
+def test_the_zero_of_a_linear_function_takes_one_evaluation(height):
+    """After those at the steps: interpolation between the last two is exact in binary numbers."""
+    seen = []
+
+    def plane(x):
+        seen.extend(x[:, 2])
+        return height - x[:, 2]
+
+    found = fr.solids.ray_intersections(plane, [[0, 0, 3.0]], [0, 0, -2.0], 6.0, 0.5)
+    assert found == 3 - height
+    steps = np.arange(3.0, height - 0.5, -0.5)
+    assert seen == [*steps[: np.argmax(steps <= height) + 1], height]
+
+
+@pytest.mark.parametrize("length", [0.0, 0.25, 2.0])
+def test_a_ray_that_ends_on_the_surface_meets_it(length):
+    """There the function is zero, and not yet positive; a shorter ray does not."""
+    ray = [[0.0, 0, 1 + length]], [0, 0, -1.0]
+    assert fr.solids.ray_intersections(Ball(1.0), *ray, length, 0.25) == length
+    assert np.isinf(fr.solids.ray_intersections(Ball(1.0), *ray, length - 1e-9, 0.25))
+
+
+@pytest.mark.parametrize("function", [Ball(1.0), lambda x: np.expm1(5 * Ball(1.0)(x))])
+def test_distances_are_found_to_the_tolerance_from_inside(function):
+    """Not before the surface, and the larger the tolerance, the fewer evaluations."""
+    calls = []
+
+    def counted(x):
+        calls.append(len(x))
+        return function(x)
+
+    cost, exact = [], 3.0 - np.sqrt(0.95)
+    for tol in (0.3, 1e-2, 1e-5, 0.0):
+        calls.clear()
+        ray = [[0.1, 0.2, 3.0]], [0.0, 0.0, -1.0], [6.0], 0.5
+        (found,) = fr.solids.ray_intersections(counted, *ray, tol=tol)
+        assert -1e-14 < found - exact <= tol + 1e-14
+        cost.append(sum(calls))
+    assert cost == sorted(cost)
+    assert cost[0] < cost[-1]
+
+
 def test_rays_of_any_direction_and_functions_without_values():
     """Distances are lengths, however long the direction is; a value that is not finite is named."""
     ball, origins = Ball(1.0), [[0.0, 0, 3], [0, 0.6, 3], [0, 2, 3]]
@@ -130,6 +176,51 @@ def test_the_picture_of_a_ball_has_its_area_and_its_highlight():
     assert image[30, 30, 0] > image[30, 30, 1]
 
 
+def test_a_view_is_centred_and_its_rays_cross_the_box():
+    """From any side: they enter and leave at its surface, and the picture holds its corners."""
+    low, high = np.array([1.0, -2.0, 0.5]), np.array([2.0, 0.5, 1.25])
+    box, corners = (
+        Box(high - low, (low + high) / 2),
+        np.array([*product(*zip(low, high, strict=True))]),
+    )
+    for toward in ((0.3, -1.0, 0.4), (0.0, -1.0, 0.0), (-1.0, 2.0, -0.7)):
+        view = fr.solids.View.of_box([low, high], toward, 30)
+        np.testing.assert_allclose(view.axes.T @ view.axes, np.eye(3), atol=1e-14)
+        np.testing.assert_allclose(view.axes[:, 2], toward / np.linalg.norm(toward))
+        assert view.axes[2, 0] == 0 < view.axes[2, 1]
+        assert np.linalg.det(view.axes) == pytest.approx(1)
+        hit = view.lengths > 0
+        ends = view.origins - view.lengths[..., None] * view.axes[:, 2]
+        np.testing.assert_allclose(box(view.origins[hit]), 0, atol=1e-12)
+        np.testing.assert_allclose(box(ends[hit]), 0, atol=1e-12)
+        outside = np.linalg.norm(view.origins - box.box.mean(axis=0), axis=2)[~hit] < 0.1
+        assert not outside.any()
+        right, up = (view.origins @ view.axes[:, :2]).transpose(2, 0, 1)
+        size = right[0, 1] - right[0, 0]
+        np.testing.assert_allclose(np.diff(right, axis=1), size, rtol=1e-9)
+        np.testing.assert_allclose(np.diff(up, axis=0), size, rtol=1e-9)
+        across = np.ptp(corners @ view.axes[:, :2], axis=0)
+        assert max(hit.shape) == 30
+        assert size == pytest.approx(across.max() / 30)
+        assert (np.array(hit.shape[::-1]) == np.ceil(across / size - 1e-6)).all()
+        middle = (low + high) / 2 @ view.axes[:, :2]
+        np.testing.assert_allclose([right.mean(), up.mean()], middle, atol=1e-12)
+
+
+def test_light_is_ambient_diffuse_and_mirrored():
+    """The ray to the viewer is mirrored at the normal; where it points away from the lamp, none."""
+    rng = np.random.default_rng(1)
+    normals, color = rng.normal(size=(400, 3)), np.array([0.6, 0.3, 0.1])
+    unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    lamp, viewer = np.array(LIGHT) / np.linalg.norm(LIGHT), np.array([0, 0, 1.0])
+    for u, found in zip(unit, phong(normals, color), strict=True):
+        mirrored = 2 * (u @ viewer) * u - viewer
+        shine = max(mirrored @ lamp, 0) if u @ lamp > 0 else 0
+        light = ray_casting._AMBIENT + ray_casting._DIFFUSE * max(u @ lamp, 0)
+        shine = ray_casting._SPECULAR * shine**ray_casting._SHININESS
+        np.testing.assert_allclose(found, np.clip(light * color + shine, 0, 1), atol=1e-12)
+
+
 def test_phong_lighting_has_full_and_ambient_light():
     """A surface that faces the lamp has full light; one that faces away has ambient light only."""
     lamp = np.array([LIGHT]) / np.linalg.norm(LIGHT)
@@ -138,6 +229,26 @@ def test_phong_lighting_has_full_and_ambient_light():
     assert (toward > 0.9).all()
     assert (away < 0.3).all()
     np.testing.assert_array_equal(away, none)
+
+
+@pytest.mark.parametrize("step", [0.5, 0.05])
+def test_the_colour_of_a_function_is_that_of_the_visible_points(step):
+    """They are on the side of the viewer, and on the surface to a thousandth of a step."""
+    seen = []
+
+    def striped(points):
+        seen.append(points)
+        return np.where(points[:, 2:] > 0, [1.0, 0, 0], [0, 0, 1.0])
+
+    view = fr.solids.View.of_box(BOX, (0, -1, 0), 20)
+    image = fr.solids.ray_traced(Ball(1.0), view, step, color=striped)
+    (points,) = seen
+    assert len(points) == (image[..., 3] > 0).sum()
+    np.testing.assert_allclose(Ball(1.0)(points), 0, atol=1e-3 * step)
+    assert (points[:, 1] < 0).all()
+    for half, strong, weak in ((image[:10], 2, 0), (image[10:], 0, 2)):
+        visible = half[half[..., 3] > 0]
+        assert (visible[:, strong] > visible[:, weak]).all()
 
 
 def test_pixels_are_squares_of_the_longer_side_however_deep_the_box_is():

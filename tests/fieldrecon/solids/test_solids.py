@@ -145,6 +145,12 @@ def test_transformed_fields_scale_and_their_normals_rotate():
     assert_close(other.normals(there), solid.normals(x) @ ROTATION.T, 1e-9)
 
 
+def test_one_size_is_that_of_all_edges_of_a_box():
+    assert Box(1.5, [1.0, 2.0, 3.0]).box.tolist() == [[0.25, 1.25, 2.25], [1.75, 2.75, 3.75]]
+    x = queries(Box(1.5))
+    assert_close(Box(1.5)(x), Box([1.5, 1.5, 1.5])(x), 0.0)
+
+
 def test_the_box_of_a_transformed_body_holds_its_corners():
     """And touches them: it is the box of the eight corners of the box before."""
     size, shift = np.array([1.0, 2.0, 0.5]), np.array([1.0, 2.0, 3.0])
@@ -165,6 +171,19 @@ def test_surface_samples_are_uniform():
     assert (np.abs(counts - expected) < 4 * np.sqrt(expected)).all()
 
 
+@pytest.mark.parametrize("slope", [0.3, 1.0, 3.0])
+def test_points_are_drawn_on_a_surface_whatever_the_slope_of_the_field_there(slope):
+    """They are projected by Newton's method, which divides by the squared slope."""
+
+    class Scaled(Ball):
+        def _from_center(self, y):
+            return tuple(slope * part for part in super()._from_center(y))
+
+    points, normals = sample_surface(Scaled(1.0), 500, seed=3)
+    assert_close(np.linalg.norm(points, axis=1), np.ones(500), 1e-10)
+    assert_close(normals, points, 1e-10)
+
+
 def test_noise_is_along_the_normal():
     """Its standard deviation is the given one; tangential components are zero."""
     points, normals = sample_surface(Ball(1.0), 4000, seed=5)
@@ -183,6 +202,36 @@ def test_a_scan_omits_hidden_points():
     assert not seen[points[:, 0] < 0].any()
     assert not scanned(ball | Box([0.1, 3, 3], [2.0, 0, 0]), points, normals, eye).any()
     assert scanned(ball, points, normals, [*eye, [-5.0, 0, 0]]).mean() > 1.5 * seen.mean()
+
+
+@pytest.mark.parametrize("slant", [0.1, 0.2, 0.7])
+@pytest.mark.parametrize("name", ["ball", "box", "cylinder"])
+def test_a_scanner_sees_of_a_convex_body_what_faces_it(name, slant):
+    """Up to the given angle between the normal and the direction to it, from one place or more."""
+    points, normals = sample_surface(SHAPES[name], 400, seed=7)
+    eyes = np.array([[3.0, -1.0, 0.5], [-2.0, 2.5, 1.0]])
+    toward = eyes[:, None] - points
+    cosine = np.einsum("eij,ij->ei", toward, normals) / np.linalg.norm(toward, axis=2)
+    for some in ([0], [1], [0, 1]):
+        expected = (cosine[some] > slant).any(axis=0)
+        found = scanned(SHAPES[name], points, normals, eyes[some], slant)
+        np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.parametrize("distance", [1.3, 4.0, 60.0])
+def test_a_scanner_sees_nothing_in_the_shadow_of_a_ball(distance):
+    """The distance of the centre of a ball from the segments to the scanner is less than its
+    radius; only rays that graze it are in doubt."""
+    eye, other = np.array([0.3, distance, 0.1]), Ball(0.15, [0.1, 0.9, 0.0])
+    points, normals = sample_surface(Ball(0.6), 600, seed=8)
+    toward = (eye - points) / np.linalg.norm(eye - points, axis=1, keepdims=True)
+    along = np.clip(np.einsum("ij,ij->i", other._center - points, toward), 0, None)
+    past = np.linalg.norm(points + along[:, None] * toward - other._center, axis=1)
+    expected = (np.einsum("ij,ij->i", normals, toward) > 0.2) & (past > other.radius)
+    sure = np.abs(past - other.radius) > 0.003
+    found = scanned(Ball(0.6) | other, points, normals, [eye])
+    np.testing.assert_array_equal(found[sure], expected[sure])
+    assert expected.any()
 
 
 @pytest.mark.slow

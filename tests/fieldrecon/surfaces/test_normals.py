@@ -1,5 +1,7 @@
 """Normals of point clouds of known surfaces: accuracy, orientation, and points without a normal."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from scipy.sparse import csgraph
@@ -74,6 +76,47 @@ def test_a_vote_turns_a_sign_that_its_neighbours_contradict_and_no_other(monkeyp
         sign[wrong] = -1
         _vote(sign, np.ones((12, 3)), index)
         assert sign.tolist() == [1] * 12
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_the_agreement_of_an_edge_is_that_with_the_mirrored_normal(d):
+    """And its steepness the product of its cosines with both normals; edge by edge."""
+    rng = np.random.default_rng(2)
+    p, n = rng.standard_normal((2, 30, d))
+    n /= np.linalg.norm(n, axis=1, keepdims=True)
+    p[7] = p[3]  # a point repeated: no direction, so nothing is mirrored
+    index = np.column_stack([np.arange(30), rng.integers(0, 30, (30, 4))])
+    index[7, 1], index[3, 2] = 3, 7
+    agreement, steepness = normal_orientation._edges(p.T, n.T, index)
+    for i, k in np.ndindex(index.shape):
+        j = index[i, k]
+        e = p[j] - p[i]
+        e = e / (np.linalg.norm(e) or 1)
+        expected = 0 if i == j else (n[i] - 2 * (e @ n[i]) * e) @ n[j]
+        assert agreement[i, k] == pytest.approx(expected, abs=1e-14)
+        assert steepness[i, k] == pytest.approx(abs((e @ n[i]) * (e @ n[j])), abs=1e-14)
+
+
+def test_each_part_gets_the_sign_of_its_volume_or_of_the_sum_of_its_normals():
+    """With the areas as weights; the largest component of the sum decides without a volume."""
+    x, true = BODIES["sphere"]
+    x, true = x[:200], true[:200]
+    flat = np.column_stack([np.random.default_rng(1).random((200, 2)), np.zeros(200)])
+    down, weights = np.tile([0.3, 0.2, -0.9], (200, 1)), np.ones(200)
+    for signs in product((1.0, -1.0), repeat=3):
+        p = np.vstack([x, 9 + 0.01 * x, flat + 5])
+        n = np.vstack([signs[0] * true, signs[1] * true, signs[2] * down])
+        part = np.repeat([0, 1, 2], 200)
+        mixed = np.random.default_rng(3).permutation(600)
+        found = normal_orientation._outward(
+            p[mixed], n[mixed], np.tile(weights, 3)[mixed], part[mixed]
+        )
+        assert found.tolist() == [signs[0], signs[1], -signs[2]]
+    two = np.array([[-1.0, 0, 0], [1, 0, 0], [1.1, 0, 0]]), np.array([[1.0, 0, 0]] * 3)
+    for areas, sign in (([1, 0.1, 0.1], 1), ([0.1, 1, 1], 1), ([3, 1, 0], 1)):
+        turned = two[1] * [[1.0], [-1], [-1]]
+        found = normal_orientation._outward(two[0], turned, np.array(areas), np.zeros(3, int))
+        assert found.tolist() == [-sign]
 
 
 def test_normals_of_a_sphere_are_of_first_order():

@@ -275,6 +275,29 @@ def test_too_many_polygons_to_enclose_are_refused(monkeypatch):
     monkeypatch.setattr(polygon_soup, "DENSE_LIMIT_BYTES", 10_000)
     with pytest.raises(MemoryError, match="take fewer polygons"):
         fr.surfaces.PolygonSoup(*sphere(1), 0.1).enclosing()
+    soup = fr.surfaces.PolygonSoup(*cube(1))
+    monkeypatch.setattr(polygon_soup, "DENSE_LIMIT_BYTES", 8 * 12 * 7)
+    assert soup.weights(np.ones((7, 3))).shape == (7, 12)
+    with pytest.raises(MemoryError, match="the weights of 12 polygons at 8 points"):
+        soup.weights(np.ones((8, 3)))
+
+
+@pytest.mark.parametrize("epsilon", [0.0, 0.2])
+def test_polygons_without_an_area_are_ignored(epsilon, rng):
+    """At the beginning, in the middle or at the end; they keep their offsets."""
+    points, triangles = cube(1)
+    x = rng.normal(size=(30, 3))
+    flat = np.array([[0, 0, 1]])
+    without = fr.surfaces.PolygonSoup(points, triangles, epsilon).enclosing()
+    for k in (0, 5, len(triangles)):
+        every = np.concatenate([triangles[:k], flat, triangles[k:]])
+        offsets = np.where(np.arange(len(every)) == k, 7.0, 0.0)
+        soup = fr.surfaces.PolygonSoup(points, every, epsilon, offsets).enclosing()
+        np.testing.assert_allclose(soup(x), without(x), atol=1e-12)
+        np.testing.assert_allclose(soup.gradient(x), without.gradient(x), atol=1e-12)
+        np.testing.assert_allclose(soup.weights(x), without.weights(x), atol=1e-14)
+        assert soup.offsets[k] == 7
+        np.testing.assert_allclose(np.delete(soup.offsets, k), without.offsets, atol=1e-12)
 
 
 @pytest.mark.parametrize("last", [0.0, 0.3, 1.0])
@@ -285,6 +308,35 @@ def test_points_on_triangles_include_the_corners_of_each(last):
     for corners in (point, np.concatenate([other, point])):
         found = polygon_soup.points_on_triangles(corners, 0.5)
         assert {*map(tuple, corners.reshape(-1, 3))} <= {*map(tuple, found)}
+
+
+def test_points_on_triangles_are_at_most_the_spacing_apart(rng):
+    """Lattices with as many steps along each side as the longest side takes."""
+    for corners in rng.normal(size=(12, 1, 3, 3)):
+        longest = np.linalg.norm(corners[0] - np.roll(corners[0], 1, axis=0), axis=1).max()
+        for spacing in longest * np.array([2.0, 1.001, 0.999, 0.4, 0.1]):
+            steps = int(np.ceil(longest / spacing))
+            shares = [(i, j, steps - i - j) for i in range(steps + 1) for j in range(steps + 1 - i)]
+            expected = np.array(shares) @ corners[0] / steps
+            found = polygon_soup.points_on_triangles(corners, spacing)
+            expected = expected[np.lexsort(expected.T[::-1].round(9))]
+            np.testing.assert_allclose(found[np.lexsort(found.T[::-1].round(9))], expected)
+
+
+@pytest.mark.parametrize(("epsilon", "spacing"), [(0.0, None), (0.3, None), (0.0, 0.5), (0.1, 0.5)])
+def test_the_body_of_loose_triangles_holds_them_in_its_box(epsilon, spacing):
+    """With a margin of spacings or smoothing lengths, the larger; points without a triangle too."""
+    points, triangles = np.vstack([3 * cube(2)[0], [[9.0, 9, 9]]]), cube(2)[1]
+    body = polygon_soup.PolygonSoupSolid(points, triangles, epsilon, spacing)
+    assert body.spacing == pytest.approx(spacing or 3 / polygon_soup.CELLS)
+    margin = polygon_soup._MARGIN * max(body.spacing, epsilon)
+    np.testing.assert_allclose(body.box, [[-margin] * 3, [3 + margin] * 3], atol=1e-12)
+    assert (body(points[:-1]) >= -1e-9).all()
+    assert body([1.5, 1.5, 1.5]) > 0
+    assert (body(body.box) < 0).all()
+    np.testing.assert_array_equal(
+        body.points, polygon_soup.points_on_triangles(points[triangles], body.spacing)
+    )
 
 
 @pytest.mark.parametrize(

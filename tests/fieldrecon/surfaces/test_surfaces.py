@@ -1,10 +1,15 @@
 """From points to an implicit surface, and from an implicit surface to triangles."""
 
+from dataclasses import replace
+from itertools import product
+
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
 from fieldrecon.datasets.synthetic import uniform
+from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.methods.rbf import RBF
 from fieldrecon.pipelines.scans import _percent
 from fieldrecon.solids import marching_cubes as surface_extraction
 from fieldrecon.solids.constructive import as_solid, blend, morph, transform
@@ -114,6 +119,52 @@ def test_the_spacing_is_the_square_root_of_the_area_per_point():
     assert spacing_of(points) == pytest.approx(np.sqrt(4 * np.pi / 5000), rel=0.1)
 
 
+@pytest.mark.parametrize("neighbors", [9, 4])
+def test_the_spacing_is_the_edge_of_a_square_with_the_area_of_a_point(neighbors):
+    """The disc to the k-th neighbour, the median one, has the area of k such squares."""
+    points = np.random.default_rng(4).standard_normal((200, 3))
+    radius = np.sort(np.linalg.norm(points[:, None] - points, axis=2), axis=1)[:, neighbors]
+    spacing = spacing_of(points + 1e4, neighbors)
+    assert neighbors * spacing**2 == pytest.approx(np.pi * np.median(radius) ** 2, rel=1e-9)
+    reach = np.linalg.norm(points[:5, None] - points[:5], axis=2).max(axis=1)
+    few = spacing_of(points[:5], 99)
+    assert 4 * few**2 == pytest.approx(np.pi * np.median(reach) ** 2)
+
+
+@pytest.mark.parametrize("cosine", [0.0, 0.5, 0.8, 1.0])
+def test_points_are_classified_by_the_angle_at_the_nearest_site(cosine):
+    """One point after the other."""
+    rng = np.random.default_rng(5)
+    points, x = rng.standard_normal((40, 3)), rng.standard_normal((300, 3))
+    normals = rng.standard_normal((40, 3))
+    expected = []
+    for k, query in enumerate(x):
+        site = np.linalg.norm(points - query, axis=1).argmin()
+        ray = query - points[site]
+        height = ray @ normals[site] / np.linalg.norm(normals[site])
+        if abs(height) / np.linalg.norm(ray) >= cosine:
+            expected.append((k, site, -height))
+    found = classified_points(points, normals, x, cosine)
+    rows, sites, values = np.array(expected).reshape(-1, 3).T
+    np.testing.assert_array_equal(found.points, x[rows.astype(int)])
+    np.testing.assert_array_equal(found.sites, sites)
+    assert_close(found.values, values, 1e-12)
+    assert len(classified_points(points, normals, points).values) == 0  # at a site: on no side
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+def test_points_in_a_gap_of_two_sheets_are_a_quarter_of_it_off(unit):
+    """Half the radius of the ball that touches both; none less than a twentieth of the distance."""
+    for gap in (0.19, 0.21, 1.0, 3.9, 4.1):
+        sheets = unit * np.array([[0, 0, 0], [0, 0, gap]])
+        off = off_surface_points(sheets, [[0, 0, 1.0], [0, 0, -1.0]], unit)
+        between = (off.points[:, 2] > 0) & (off.points[:, 2] < gap * unit)
+        expected = [] if gap < 0.2 else [-min(gap / 4, 1)] * 2
+        assert_close(off.values[between] / unit, np.array(expected), 1e-12)
+        assert_close(off.values[~between] / unit, np.ones(2), 1e-12)
+        assert off.sites.tolist() == ([] if gap < 0.2 else [0, 1]) + [0, 1]
+
+
 # --- the implicit surface -------------------------------------------------------------------------
 
 
@@ -203,6 +254,68 @@ def test_points_far_from_the_surface_have_signed_distances():
     assert (depth > 0.2).sum() > 10
     assert (depth < -0.2).sum() > 10
     assert_close(values[between], depth, 0.1)
+
+
+@pytest.mark.parametrize(("n", "levels"), [(100, 1), (400, 2)])
+def test_points_far_from_the_surface_are_nodes_of_lattices_and_lie_on_the_walls(n, levels):
+    """All nodes, of each step, in a layer around the points; coarser ones only outside.
+
+    Their values are the distances from tangent planes at sites with a normal or direction.
+    """
+    points, normals = sample_surface(Ball(1.0), n, seed=1)
+    given = as_clean_cloud(points, normals)
+    given = replace(given, trusted=points[:, 2] > 0, beside=points[:, 0] > 0)
+    box, spacing = _box_about(given), given.spacing
+    expected, wall = {}, np.linspace(0, 1, implicit_surfaces._WALL)
+    for t in product(wall, repeat=3):
+        if {*t} & {0, 1}:
+            x = box[0] + (box[1] - box[0]) * t
+            expected[tuple(x.round(9))] = -np.linalg.norm(points - x, axis=1).min()
+    assert 2 ** (levels - 1) <= (box[1] - box[0]).max() / (8 * spacing) < 2**levels
+    for level in range(levels):
+        step = 2 * spacing * 2**level
+        count = np.ceil((box[1] - box[0]) / step).astype(int)
+        for index in product(*(range(c) for c in count)):
+            x = box[0] + step * (np.array(index) + 0.382)
+            site = np.linalg.norm(points - x, axis=1).argmin()
+            ray = x - points[site]
+            far, value = np.linalg.norm(ray), -ray @ normals[site]
+            usable = given.trusted[site] or given.beside[site]
+            layer = 0.75 * step < far < 2 * step and abs(value) >= 0.5 * far
+            if (x < box[1]).all() and usable and layer and (level == 0 or value < 0):
+                expected[tuple(x.round(9))] = value
+    found, values = _far_points(given, box)
+    assert {*map(tuple, found.round(9).tolist())} == {*expected}
+    assert_close(values, np.array([expected[tuple(x)] for x in found.round(9)]), 1e-9)
+    assert len(found) == len(expected)
+
+
+@pytest.mark.parametrize(("n", "method"), [(700, RBF), (701, PartitionOfUnityRBF)])
+def test_up_to_700_points_are_interpolated_by_one_system(n, method):
+    """And more by a partition of unity, if no method is given."""
+    body = implicit_surface(spiral(n), spiral(n), smoothing=0.0)
+    assert type(body.field.method) is method
+
+
+def test_distances_are_those_to_first_order():
+    """|F| over |grad F|, of the points that were used by default."""
+    points, normals = cloud(TORUS, 300)
+    body = implicit_surface(points, normals, method="hermite")
+    x = points[:50] + 0.03 * np.random.default_rng(1).standard_normal((50, 3))
+    steep = np.linalg.norm(body.gradient(x), axis=1)
+    assert_close(body.distances(x), np.abs(body(x)) / steep, 1e-12)
+    assert body.distances(x.reshape(5, 10, 3)).shape == (5, 10)
+    assert body.distances().shape == (300,)
+    assert body.distances().max() < 1e-9
+    assert_close(body.distances(x), np.abs(TORUS(x)), 0.02)
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+def test_the_longest_smoothed_waves_have_half_the_width_of_a_cloud(unit):
+    """Its second largest extent along its principal axes."""
+    arms = np.diag([3.0, 1.0, 0.3])
+    cross = unit * (np.vstack([arms, -arms]) @ ROTATION.T + 2.0)
+    assert implicit_surfaces._longest_smoothed(cross) == pytest.approx(unit)
 
 
 def test_shares_have_two_digits():
@@ -579,6 +692,140 @@ def test_meshes_far_from_the_origin_are_clean():
     mesh = extract_surface(transform(TORUS, ROTATION, [1e7, -1e7, 1e7]), 0.1)
     assert mesh.audit.found == {}
     assert mesh.volume == pytest.approx(extract_surface(transform(TORUS, ROTATION), 0.1).volume)
+
+
+@pytest.mark.parametrize(
+    ("near", "spacing", "expected"),
+    [
+        (False, None, 3 / 64),  # of the longest side of the box
+        (True, None, 3 / 64),
+        (False, 0.7, 0.7),
+        (True, 0.1, 0.1),
+        (True, 0.7, 2 / 12),  # of the extent of the points
+        (True, 0.01, 0.01),
+    ],
+)
+def test_cells_are_by_default_as_large_as_the_spacing_of_the_points(near, spacing, expected):
+    """But no more than a 12th of these; and a 64th of the box if no spacing is known."""
+    box = np.array([[-1.5] * 3, [1.5, 1.0, 1.0]])
+    body = as_solid(Ball(1.0), box, np.vstack([np.eye(3), -np.eye(3)]) if near else None, spacing)
+    assert surface_extraction._usual_spacing(body, box) == pytest.approx(expected)
+    few = as_solid(Ball(1.0), box, 0.1 * np.eye(3), 0.7)
+    assert surface_extraction._usual_spacing(few, box) == pytest.approx(3 / 64)
+
+
+def test_the_grid_extends_beyond_the_box_by_a_cell_and_a_half():
+    """And on each side by the same length, of less than two cells."""
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        low, spacing = rng.normal(size=3), rng.uniform(0.05, 0.5)
+        high = low + spacing * rng.choice([1.0, 2.5, 3.0, 4.999, 5.001], 3)
+        grid = surface_extraction.Grid.over(np.array([low, high]), spacing)
+        top = grid.nodes(np.array(grid.shape) - 1)
+        for beyond in (low - grid.low, top - high):
+            assert (beyond > (1.5 - 1e-9) * spacing).all()
+            assert (beyond < (2 + 1e-9) * spacing).all()
+        assert_close(low - grid.low, top - high, 1e-12)
+        assert grid.cells == tuple(n - 1 for n in grid.shape)
+
+
+@pytest.mark.parametrize("body", [Ball(0.3, [0.13, 0.2, -0.1]), Box([0.9, 0.1, 0.7])])
+def test_the_search_looks_into_coarse_cells_with_two_signs_or_the_surface_near_their_middle(body):
+    """Cell by cell: four cells along each edge, as far as the grid goes."""
+    grid = surface_extraction.Grid.over(np.array([[-0.6, -0.4, -0.5], [0.55, 0.5, 0.45]]), 0.09)
+    expected, step = set(), 4 * grid.spacing
+    for first in product(*(range(0, n, 4) for n in grid.cells)):
+        corner = grid.nodes(np.array(first))
+        signs = {bool(body(corner + step * np.array(c)) > 0) for c in product((0, 1), repeat=3)}
+        middle = corner + step / 2
+        if len(signs) == 2 or abs(body(middle)) <= np.sqrt(3) / 2 * step:
+            within = (np.array(first) + np.array(k) for k in product(range(4), repeat=3))
+            expected |= {tuple(map(int, k)) for k in within if (k < grid.cells).all()}
+    found = np.unravel_index(surface_extraction.search_box(body, grid), grid.cells)
+    assert {*zip(*(axis.tolist() for axis in found), strict=True)} == expected
+    assert 0 < len(expected) < np.prod(grid.cells)
+
+
+@pytest.mark.parametrize(
+    ("body", "points"),
+    [
+        (Ball(0.3, [0.13, 0.2, -0.1]), [[0.43, 0.2, -0.1]]),
+        (Box(0.6) - Ball(0.2), [[0.3, 0, 0], [0, 0.2, 0]]),
+        (
+            as_solid(Ball(3.0, [-1.7, 1.7, 1.7]), [[-0.4] * 3, [0.4, 0.5, 0.6]]),
+            [[0.03, -0.03, -0.03]],
+        ),
+    ],
+    ids=["ball", "cavity", "cut off"],
+)
+def test_a_surface_is_followed_through_every_cell_that_it_crosses(body, points):
+    """Once through each, from one of each part to the ends of the grid; progress counts nodes."""
+    grid = surface_extraction.Grid.over(body.box, 0.07)
+    index = np.stack(np.meshgrid(*map(np.arange, grid.shape), indexing="ij"), axis=-1)
+    inside = body(grid.nodes(index)) > 0
+    views = [inside[tuple(slice(k, k - 1 or None) for k in c)] for c in product((0, 1), repeat=3)]
+    crossed = np.flatnonzero(np.any(views, axis=0) & ~np.all(views, axis=0))
+    told = []
+    for some in (surface_extraction.search_box(body, grid), grid.cells_of(np.array(points))):
+        told.clear()
+        values, found = surface_extraction.follow_surface(
+            body, grid, some, progress=lambda *counts: told.append(counts)
+        )
+        np.testing.assert_array_equal(np.sort(found), crossed)
+        known = np.isfinite(values)
+        assert_close(values[known], body(grid.nodes(index[known])), 1e-6)
+        assert known.ravel()[grid.corners(crossed)].all()
+        done, total = np.array(told).T
+        assert (np.diff(done) >= 0).all()
+        assert (done <= total).all()
+        assert done[-1] == total[-1] == known.sum()
+
+
+def test_points_are_missed_farther_than_two_cells_from_all_vertices():
+    """Along the normals of a ball, outward."""
+    vertices = extract_surface(Ball(1.0), 0.1).points[::9]
+    for cells, missed in ((0.0, False), (1.99, False), (2.01, True), (3.0, True)):
+        near = np.vstack([spiral(500), vertices * (1 + 0.1 * cells)])
+        found = extract_surface(Ball(1.0), 0.1, near=near).missed
+        assert found.tolist() == [500 + k for k in range(len(vertices)) if missed]
+
+
+def test_triangles_with_a_corner_farther_than_within_are_dropped():
+    """The others keep their places; and so do the vertices at the wall of the box."""
+    near = spiral(300)[:110]
+    box = np.array([[-1.2, -1.2, -1.2], [0.4, 1.2, 1.2]])
+    whole = extract_surface(Ball(1.0), 0.1, near=near, box=box)
+    part = extract_surface(Ball(1.0), 0.1, near=near, box=box, within=0.3)
+    close = np.linalg.norm(whole.points[:, None] - near, axis=2).min(axis=1) <= 0.3
+    kept = whole.triangles[close[whole.triangles].all(axis=1)]
+    np.testing.assert_array_equal(part.points[part.triangles], whole.points[kept])
+    used = np.intersect1d(whole.cut, kept)
+    np.testing.assert_array_equal(part.points[part.cut], whole.points[used])
+    assert 0 < len(used) < len(whole.cut)
+    assert len(part.points) == len(np.unique(kept))
+
+
+def test_vertices_at_nodes_of_the_grid_stay_apart():
+    """At a corner of a cavity that is a node, three edges of the grid have a vertex."""
+    body = Box(2.0) - Box(1.0)
+    mesh = extract_surface(body, 0.25, box=[[-1.375] * 3, [1.375] * 3])
+    assert mesh.audit.clean
+    assert np.abs(body(mesh.points)).max() < 1e-6
+    nearest = cKDTree(mesh.points).query(mesh.points, 2)[0][:, 1]
+    assert 0.9e-6 * mesh.spacing < nearest.min() < 1e-3 * mesh.spacing
+
+
+def test_a_grid_may_have_as_many_nodes_as_are_allowed(monkeypatch):
+    """And where it would have more, the proposed spacing is accepted, and hardly coarser."""
+    monkeypatch.setattr(surface_extraction, "NODE_LIMIT", 1000)
+    cube = np.array([[0.0] * 3, [6.0] * 3])
+    assert surface_extraction.Grid.over(cube, 1.0).shape == (10, 10, 10)
+    for spacing in np.geomspace(0.01, 0.99, 40):
+        with pytest.raises(ValueError, match=r"at most 1e\+03 are allowed; take") as refusal:
+            surface_extraction.Grid.over(cube, spacing)
+        proposed = float(str(refusal.value).split()[-3])
+        assert surface_extraction.Grid.over(cube, proposed).shape == (10, 10, 10)
+        assert 1.0 <= proposed < 1.06
 
 
 # --- refusals -------------------------------------------------------------------------------------

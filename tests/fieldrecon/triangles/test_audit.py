@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 
 import exact_triangles as literal
 from fieldrecon.io.meshes import read_triangles, write_triangles
-from fieldrecon.triangles import bounding_volumes
+from fieldrecon.triangles import bounding_volumes, duplicates
 from fieldrecon.triangles import intersections as _contacts
 from fieldrecon.triangles import intersections as _triangle_pairs
 from fieldrecon.triangles import predicates as _predicates
-from fieldrecon.triangles.audit import CONCERNS, audit_mesh
+from fieldrecon.triangles.audit import CONCERNS, audit_mesh, unit_of
 from fieldrecon.triangles.intersections import close_pairs, contacts
 from fieldreport.experiments.triangles.planted_errors import planted_errors
 from fieldreport.experiments.triangles.triangle_shapes import (
@@ -397,6 +397,38 @@ def test_separating_planes_remove_most_pairs_of_flat_faces():
     assert 0 < many < 2.5 * few
 
 
+@pytest.mark.parametrize("up", [1.0, -1.0])
+def test_triangles_that_touch_at_two_vertices_in_one_place_are_close(up):
+    """No plane separates them strictly: only a shared vertex may lie on it."""
+    flat = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    points = np.concatenate([flat, [[0, 0, 0], [0.2, 0.3, up], [0.3, 0.2, up]]])
+    for one, other in itertools.product(
+        *(itertools.permutations(t) for t in ([0, 1, 2], [3, 4, 5]))
+    ):
+        assert close_pairs(points, np.array([one, other])).tolist() == [[0, 1]]
+        shared = np.where(np.array(other) == 3, 0, other)
+        assert close_pairs(points, np.array([one, shared])).tolist() == []
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+def test_simplices_are_flat_within_a_tolerance_of_the_radius_of_their_inscribed_ball(unit):
+    """Three volumes over the area of a tetrahedron, two areas over the perimeter of a triangle."""
+    rng = np.random.default_rng(2)
+    for d in (2, 3):
+        corners = unit * rng.normal(size=(d + 1, 1, d))
+        volume = np.linalg.det(corners[1:, 0] - corners[0, 0])
+        faces = [np.delete(corners[:, 0], k, axis=0) for k in range(d + 1)]
+        grams = [(f[1:] - f[0]) @ (f[1:] - f[0]).T for f in faces]
+        radius = abs(volume) / sum(np.sqrt(np.linalg.det(g)) for g in grams)
+        orient = _predicates.orient2d if d == 2 else _predicates.orient3d
+        assert orient(*corners, tolerance=radius * (1 - 1e-9)) == np.sign(volume)
+        assert orient(*corners, tolerance=radius * (1 + 1e-9)) == 0
+        if d == 2:
+            in_space = np.concatenate([corners, np.ones((3, 1, 1))], axis=2) @ ROTATION.T
+            assert not _predicates.collinear(*in_space, tolerance=radius * (1 - 1e-9)).any()
+            assert _predicates.collinear(*in_space, tolerance=radius * (1 + 1e-9)).all()
+
+
 def test_orientation_signs_are_exact():
     """On the example of Kettner and others, with steps of 2⁻⁵³, signs equal rational arithmetic."""
     k = np.arange(64) * 2.0**-53
@@ -479,6 +511,68 @@ def test_wrong_predicates_and_bounds_are_detected(module, name, mutant, error, m
     assert touching(points @ ROTATION.T, triangles) != right
 
 
+# --- tolerances and duplicates --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32, np.int64])
+@pytest.mark.parametrize("largest", [5.0, -7.0])
+def test_the_default_tolerance_is_four_roundings_of_the_largest_coordinate(dtype, largest):
+    """In the precision of the points; integers are exact in double precision."""
+    points = np.array([[0, 0, 1], [1, 0, 2], [0, largest, 0]]).astype(dtype)
+    eps = np.finfo(np.float32 if dtype == np.float32 else float).eps
+    assert audit_mesh(points, [[0, 1, 2]]).tolerance == 4 * eps * abs(largest)
+
+
+@pytest.mark.parametrize("largest", [1.0, 1.5, 2.0, 0.7, 1e300, 1e-300])
+def test_the_unit_is_the_power_of_two_below_the_largest_coordinate(largest):
+    """So that its multiple is from 1 to 2; of points at the origin it is positive."""
+    unit = unit_of(np.array([[-largest, 0.1 * largest, 0.0]]))
+    assert 1 <= largest / unit < 2
+    assert np.frexp(unit)[0] == 0.5
+    assert unit_of(np.zeros((3, 3))) > 0
+    assert unit_of(np.zeros((0, 3))) > 0
+
+
+def test_coordinates_count_as_zero_if_the_largest_is_1e61_times_larger():
+    """Beside it their digits would need numbers of hundreds of bits."""
+    points, triangles = cube(1)
+    seam = triangles.copy()
+    seam[0, 0] = len(points)  # a vertex of its own, at the corner of this triangle
+    for tiny, found in ((1e-58, 0), (1e-62, 1), (1e-300, 1)):
+        moved = np.vstack([points, points[triangles[0, 0]] + 0.0])
+        moved[-1][moved[-1] == 0] = tiny
+        assert (moved[-1] == tiny).any()
+        assert len(audit_mesh(moved, seam, 0.0).duplicate_vertices) == found
+
+
+@pytest.mark.parametrize("tolerance", [0.0, 0.02, 0.03, 0.05])
+def test_points_within_the_tolerance_are_merged_in_chains(tolerance):
+    """With the first of their chain. By heights pairs are the same as by a tree."""
+    points = np.random.default_rng(4).integers(0, 60, (120, 3)) * [0.01, 0.01, 0.002]
+    tolerance = tolerance * (1 + 1e-12)  # of lattice points several are that far apart
+    linked = np.linalg.norm(points[:, None] - points, axis=2) <= tolerance
+    expected = np.arange(120)
+    for _ in range(120):
+        expected = np.where(linked, expected, 120).min(axis=1)
+    found = duplicates.merged_vertices(points, tolerance)
+    np.testing.assert_array_equal(found, expected)
+    assert (tolerance > 0) == (len({*found.tolist()}) < 120)
+    pairs = {(i, j) for i, j in np.argwhere(linked).tolist() if i < j}
+    for way in (duplicates._near_pairs, duplicates._near_pairs_by_tree):
+        assert {*map(tuple, np.sort(way(points, tolerance), axis=1).tolist())} == pairs
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 0.5, 1.0, 2.0, 1e3])
+def test_any_tolerance_is_a_length_and_zero_distinguishes_all_points(tolerance):
+    """Also points whose squared distance is zero in floating-point numbers."""
+    points = tolerance * np.array([[0, 0, 0], [0.9, 0, 0], [3, 0, 0], [3, 1.1, 0]])
+    assert duplicates.merged_vertices(points, tolerance).tolist() == [0, 0, 2, 3]
+    near = points.copy()
+    near[1] = [0, 0, 1e-170]
+    assert duplicates.merged_vertices(near, 0.0).tolist() == [0, 1, 2, 3]
+    assert duplicates.merged_vertices(near[[0, 1, 0, 1]], 0.0).tolist() == [0, 1, 0, 1]
+
+
 # --- output and refusals --------------------------------------------------------------------------
 
 
@@ -514,11 +608,12 @@ def test_the_hierarchy_finds_the_boxes_that_overlap_and_no_others():
 
 
 def test_progress_is_reported():
-    """The number of processed pairs of boxes increases to the total."""
+    """The number of processed pairs of boxes increases to the total, in several steps."""
     seen = []
     audit_mesh(*bumpy(3), progress=lambda done, total: seen.append((done, total)))
     assert [done for done, _ in seen] == sorted(done for done, _ in seen)
     assert seen[-1][0] == seen[-1][1]
+    assert len(seen) > 3
 
 
 @pytest.mark.parametrize(

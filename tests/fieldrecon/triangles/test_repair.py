@@ -1,6 +1,7 @@
 """Repair of triangle meshes: planted errors are corrected, correct meshes are unchanged."""
 
 import itertools
+from collections import Counter
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,11 +12,12 @@ from hypothesis import strategies as st
 from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.triangles import repair as _mending
 from fieldrecon.triangles.audit import audit_mesh
+from fieldrecon.triangles.distances import distances_to_triangles
 from fieldrecon.triangles.duplicates import first_duplicates
 from fieldrecon.triangles.half_edges import HalfEdges
-from fieldrecon.triangles.holes import MAX_LOOP, _cycles, minimum_area_patches
+from fieldrecon.triangles.holes import MAX_LOOP, _cycles, _keys, minimum_area_patches
 from fieldrecon.triangles.orientation import inverted
-from fieldrecon.triangles.repair import erroneous, repair_mesh
+from fieldrecon.triangles.repair import erroneous, repair_mesh, without_flat
 from fieldreport.experiments.triangles.planted_errors import damaged, planted_errors
 from fieldreport.experiments.triangles.triangle_shapes import (
     band,
@@ -465,6 +467,98 @@ def test_errors_of_new_triangles_have_their_numbers_in_the_mesh():
     wrong = erroneous(audit_mesh(points, twice), twice, 3)
     assert len(twice) - 1 in wrong
     assert (wrong >= 3).all()
+
+
+def test_each_stage_of_a_repair_adds_its_own_kinds():
+    """Removal, splitting of edges, orientation, filling of holes, splitting of bow-ties."""
+    kinds = ["duplicate vertex", "duplicate triangle", "T-junction", "flipped triangle"]
+    surfaces = [planted_errors(1)[kind].surface for kind in (*kinds, "hole", "bow-tie")]
+    bodies = [(np.add(p, [4 * k, 0, 0]), t) for k, (p, t) in enumerate(surfaces)]
+    points, triangles = together(*bodies)
+    before = audit_mesh(points, triangles)
+    damaged_one = _mending._Damaged(points, triangles, before, before.tolerance, 0.1, None)
+    expected = {"merged_vertices", "removed_triangles"}
+    for stage, new in enumerate(
+        [
+            set(),
+            {"split_edges"},
+            {"reoriented_triangles"},
+            {"filled_holes", "filling_triangles"},
+            {"split_vertices"},
+        ]
+    ):
+        expected |= new
+        assert {*damaged_one.repaired(stage + 1, spare=False).done} == expected
+
+
+def test_a_small_loose_triangle_is_no_fin():
+    """A fin hangs at an edge of two other triangles; what is apart from it stays."""
+    points, triangles = sphere(1)
+    n, (a, b, _) = len(points), triangles[0]
+    apart = np.array([[5.0, 0, 0], [5.1, 0, 0], [5.0, 0.1, 0]])
+    whole = np.vstack([points, 1.3 * np.asarray(points)[a], apart])
+    every = np.vstack([triangles, [[a, b, n], [n + 1, n + 2, n + 3]]])
+    left, fins = _mending.without_fins(whole, every, 0.1)
+    assert fins == 1
+    np.testing.assert_array_equal(left, np.delete(every, -2, axis=0))
+
+
+def test_distances_to_single_and_collapsed_triangles():
+    """Of a triangle that collapsed, the distance from the segment or point that is left."""
+    x = np.random.default_rng(1).normal(size=(60, 3))
+    a, b, c = np.array([[0.1, 0, 0.2], [1.0, 0.3, -0.2], [0.2, 0.9, 0.4]])
+    along = np.clip((x - a) @ (b - a) / ((b - a) @ (b - a)), 0, 1)
+    segment = np.linalg.norm(x - a - along[:, None] * (b - a), axis=1)
+    point = np.linalg.norm(x - a, axis=1)
+    for corners, expected in (([a, a, b], segment), ([b, a, b], segment), ([a, a, a], point)):
+        np.testing.assert_allclose(distances_to_triangles(x, corners, [[0, 1, 2]]), expected)
+    shares = np.random.default_rng(2).dirichlet([1.0] * 3, 60)
+    normal = np.cross(b - a, c - a)
+    above = shares @ [a, b, c] + 0.7 * normal / np.linalg.norm(normal)
+    np.testing.assert_allclose(distances_to_triangles(above, [a, b, c], [[0, 1, 2]]), 0.7)
+
+
+def edges_of(triangle):
+    return [tuple(sorted(map(int, pair))) for pair in itertools.combinations(triangle, 2)]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_spared_are_the_flat_triangles_at_edges_of_three_or_more(seed):
+    """Of points on two lines; counted edge by edge."""
+    points = np.array([*itertools.product([0.0, 1], range(6), [0.0])])
+    t = np.random.default_rng(seed).integers(0, 12, (24, 3))
+    real = [k for k in t if len({*k}) == 3]
+    count = Counter(edge for k in real for edge in edges_of(k))
+    flat = np.array([len({*points[k, 0]}) == 1 for k in real])
+    spared = np.array([any(count[edge] > 2 for edge in edges_of(k)) for k in real])
+    assert 0 < (flat & spared).sum() < flat.sum()
+    for spare in (False, True):
+        kept = ~flat | (spare & spared)
+        np.testing.assert_array_equal(without_flat(points, t, 0.0, spare), np.array(real)[kept])
+
+
+@pytest.mark.parametrize("error", ["edge of four triangles", "T-junction", "duplicate vertex"])
+def test_triangles_at_wrong_edges_and_vertices_are_erroneous(error):
+    """Those with an edge of three or more, or with a vertex inside it, or with a copied vertex."""
+    points, triangles = PLANTED[error].surface
+    audit = audit_mesh(points, triangles)
+    edges = [*audit.nonmanifold_edges, *audit.t_junctions[:, 1:]]
+    bad = {tuple(sorted(map(int, e))) for e in edges}
+    copies = {*audit.duplicate_vertices.ravel().tolist()}
+    literal = [
+        k for k, t in enumerate(triangles) if bad & {*edges_of(t)} or copies & {*map(int, t)}
+    ]
+    assert literal
+    for first in (0, literal[0] + 1):
+        found = erroneous(audit, np.asarray(triangles), first).tolist()
+        assert found == [k for k in literal if k >= first]
+
+
+def test_edges_on_millions_of_vertices_have_different_keys():
+    """Of neighbouring numbers at both ends."""
+    n = 2**31
+    ends = np.array([*itertools.product([0, 1, n - 2, n - 1], repeat=2)])
+    assert len({*_keys(ends, n).tolist()}) == len(ends)
 
 
 def test_equal_triangles_are_found_on_millions_of_vertices():
