@@ -51,7 +51,8 @@ def ray_intersections(
     lengths : float or (k,) array_like
         Lengths of the rays.
     step : float
-        Distance of the points at which the function is evaluated; thinner parts may be missed.
+        Distance of the points at which the function is evaluated, beside the end of each ray;
+        thinner parts may be missed.
     near : (n, d) array_like, optional
         Points such that the surface is nowhere farther than 2 steps from all of them. Rays skip
         the space between them.
@@ -109,12 +110,11 @@ def ray_intersections(
         if slope is not None:
             on[evaluated] = np.maximum(on[evaluated], -values / slope)
         on[evaluated[found]] = np.inf
-        advancing = np.isfinite(on)
-        before[active[advancing]] = t[active[advancing]]
-        ends[0, active[advancing]] = np.minimum(ends[1, active[advancing]], 0)
-        t[active[advancing]] += on[advancing]
-        active = active[advancing]
-        active = active[t[active] <= lengths[active]]
+        advancing = np.isfinite(on) & (t[active] < lengths[active])
+        active, on = active[advancing], on[advancing]
+        before[active] = t[active]
+        ends[0, active] = np.minimum(ends[1, active], 0)
+        t[active] = np.minimum(t[active] + on, lengths[active])
         if progress is not None:
             progress(len(o) - len(active), len(o))
     distance = np.full(len(o), np.inf)

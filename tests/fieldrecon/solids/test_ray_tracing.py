@@ -112,6 +112,17 @@ def test_a_ray_that_ends_on_the_surface_meets_it(length):
     assert np.isinf(fr.solids.ray_intersections(Ball(1.0), *ray, length - 1e-9, 0.25))
 
 
+@pytest.mark.parametrize("step", [0.3, 0.7, 1.9, 40.0])
+@pytest.mark.parametrize("slope", [None, 1.0])
+def test_a_surface_between_the_last_step_and_the_end_of_a_ray_is_met(step, slope):
+    """A ray that ends just inside of the ball, or at its centre, whatever the steps."""
+    for length in (2.0 + 1e-6, 2.2, 3.0):
+        found = fr.solids.ray_intersections(
+            Ball(1.0), [[0.0, 0, 3.0]], [0, 0, -1.0], length, step, slope=slope
+        )
+        assert found == pytest.approx(2.0)
+
+
 @pytest.mark.parametrize("function", [Ball(1.0), lambda x: np.expm1(5 * Ball(1.0)(x))])
 def test_distances_are_found_to_the_tolerance_from_inside(function):
     """Not before the surface, and the larger the tolerance, the fewer evaluations."""
