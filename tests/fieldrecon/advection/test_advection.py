@@ -422,6 +422,20 @@ def test_the_projection_to_bounds_and_mass_is_orthogonal():
     assert m @ (found - u) ** 2 <= m @ (reference - u) ** 2 + 1e-9
 
 
+@pytest.mark.parametrize("share", [1e-4, 0.5, 1 - 1e-4])
+def test_values_and_bounds_with_a_constant_are_projected_to_the_same_with_it(share):
+    """Also a negative one, and totals near the least and the largest; each column by itself."""
+    rng, m = np.random.default_rng(2), np.array([1.0, 2.0, 3.0, 0.5])
+    u = rng.normal(size=(4, 2))
+    low, high = u - rng.random((4, 2)), u + rng.random((4, 2))
+    total = m @ ((1 - share) * low + share * high)
+    found = project_to_bounds_and_mass(u, low, high, m, total)
+    assert_close(m @ found, total, 1e-12)
+    for c in (-50.0, 50.0):
+        moved = project_to_bounds_and_mass(u + c, low + c, high + c, m, total + c * m.sum())
+        assert_close(moved, found + c, 1e-12)
+
+
 @pytest.mark.parametrize("end", ["low", "high"])
 def test_the_extreme_masses_determine_the_values(end):
     """At the largest or smallest possible total the values are the bounds.

@@ -19,6 +19,7 @@ from fieldrecon.io.frames import as_source
 from fieldrecon.pages.reconstruction_page import pictures, summary
 from fieldrecon.pipelines import audit, reconstruct, surface
 from fieldrecon.pipelines.scans import ScanResult
+from fieldrecon.pipelines.validation import Validation
 from fieldrecon.solids.marching_cubes import extract_surface
 from fieldrecon.solids.shapes import Ball, sample_surface
 
@@ -464,6 +465,45 @@ def test_errors_of_several_values_are_in_standard_deviations_of_each():
     for value in (PLANE, np.column_stack([PLANE, -PLANE])):
         page = summary(plane(POINTS, value=value), {}, {})
         assert ("in standard deviations of each value" in page) == (value.ndim == 2)
+
+
+def test_distances_on_the_globe_are_angles():
+    """Of the targets, of the samples from each other, and of those that are held out, in bins."""
+    x = fr.datasets.uniform(150, 2, seed=0) * [50, 40] + [-20, 30]
+    samples, targets = x[:100], x[100:]
+    found = reconstruct(samples, value=samples[:, 1], lonlat=True, method="ls1", at=targets)
+    known = found.validations[0]
+
+    def angles(a, b):
+        (lon, lat), (east, north) = np.radians(a.T[:, :, None]), np.radians(b.T)
+        turned = np.cos(lat) * np.cos(north) * np.sin((lon - east) / 2) ** 2
+        return np.degrees(2 * np.arcsin(np.sqrt(turned + np.sin((lat - north) / 2) ** 2)))
+
+    wanted = angles(targets, samples).min(axis=1)
+    np.testing.assert_allclose(np.sort(known.targets), np.sort(wanted))
+    own = (angles(samples, samples) + 999 * np.eye(100)).min(axis=1)
+    np.testing.assert_allclose(known.leave_one_out, np.sort(own))
+    assert known.coverage()[-1][0] == known.farthest == f"{known.held_out.max():.3g} degrees"
+    assert known.sentence.count(" degrees") in (4, 5)
+
+
+@pytest.mark.parametrize(("ratio", "alike"), [(1.19, True), (0.81, True), (1.21, False)])
+def test_distances_are_alike_whose_quantiles_differ_by_a_fifth_of_their_mean(ratio, alike):
+    """The medians and the upper tenths of both are told, and how samples were held out."""
+    targets = np.linspace(0, 20, 101)
+    found = Validation(None, targets, ratio * targets, 3 * targets, np.zeros(7), np.zeros(7), " m")
+    assert found.is_matched_by_leave_one_out == alike
+    median, tenth = f"{10 * ratio:.3g}", f"{18 * ratio:.3g}"
+    told = (
+        "The targets have a median distance of 10 m from the nearest sample, the samples of "
+        f"{median} m from each other; a tenth have more than 18 m and {tenth} m. "
+    )
+    assert found.sentence.startswith(told)
+    assert f" estimated at 7 samples that were held out {'with few' if alike else 'together'}" in (
+        found.sentence
+    )
+    assert ("a median distance of 30 m (" in found.sentence) != alike
+    assert found.farthest == "60 m"
 
 
 def test_nine_samples_have_no_picture_of_their_variogram():

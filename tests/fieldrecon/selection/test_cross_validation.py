@@ -55,6 +55,14 @@ def test_variants_have_more_and_more_smoothing_in_units_of_their_kernel(name):
             np.testing.assert_allclose(there, here * unit**power, rtol=1e-12)
 
 
+@pytest.mark.parametrize(("where", "size"), [([[2.0]], 60), ([[2.0]] * 3, 120)])
+def test_a_single_site_has_the_spacing_one(where, size):
+    """Whether it has one sample or several: these count as one, so a patch has more of them."""
+    alone, pair = (MODELS["pu1"].makers(np.array(x))[0] for x in (where, [[0.0], [1.0]]))
+    assert {maker.keywords["patch_size"] for maker in alone} == {size}
+    assert [m.keywords["smoothing"] for m in alone] == [m.keywords["smoothing"] for m in pair]
+
+
 @pytest.mark.slow
 def test_the_selected_method_fits_the_kind_of_data():
     """A noisy plane, a smooth field and a noisy field each select a method made for them."""
