@@ -319,7 +319,8 @@ def test_every_coupling_announces_them_once_at_the_line_of_the_caller():
         with warnings.catch_warnings(record=True) as seen:
             warnings.simplefilter("always")
             make()
-        assert [w.filename for w in seen] == [__file__] * warned
+        own_line = (__file__, make.__code__.co_firstlineno)
+        assert [(w.filename, w.lineno) for w in seen] == [own_line] * warned
 
 
 def test_a_method_that_refuses_random_signs_is_coupled_all_the_same():

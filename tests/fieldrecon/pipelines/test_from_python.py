@@ -20,6 +20,7 @@ from fieldrecon.pages.reconstruction_page import pictures, summary
 from fieldrecon.pipelines import audit, reconstruct, surface
 from fieldrecon.pipelines.scans import ScanResult
 from fieldrecon.pipelines.validation import Validation
+from fieldrecon.pipelines.variograms import variogram
 from fieldrecon.solids.marching_cubes import extract_surface
 from fieldrecon.solids.shapes import Ball, sample_surface
 
@@ -506,6 +507,18 @@ def test_distances_are_alike_whose_quantiles_differ_by_a_fifth_of_their_mean(rat
     assert found.farthest == "60 m"
 
 
+def test_the_variogram_of_a_survey_is_that_of_its_samples():
+    """Of the first value by default; on the globe of unit vectors, in degrees."""
+    values = np.column_stack([np.sin(9 * PLANE), PLANE**2])
+    survey = plane(POINTS, value=values)
+    for found, column in ((survey.variogram(), 0), (survey.variogram(0), 0), (survey.variogram(1), 1)):
+        np.testing.assert_allclose(found.values, variogram(POINTS, values[:, column]).values)
+    on_globe = plane(POINTS, value=PLANE, lonlat=True).variogram()
+    flat = POINTS * [np.cos(np.radians(0.5)), 1.0]
+    np.testing.assert_allclose(on_globe.distances, variogram(flat, PLANE).distances, rtol=1e-3)
+    assert on_globe.unit == " degrees"
+
+
 def test_nine_samples_have_no_picture_of_their_variogram():
     """Those of the field, its error and the distances from the samples are drawn."""
     drawn = pictures(plane(POINTS[:9], value=PLANE[:9]))
@@ -680,8 +693,12 @@ def test_the_invented_surface_is_a_part_of_the_area():
     assert float(share) == pytest.approx(37.5, abs=2)
     assert far == "0.3"
     assert len(others) == 2
-    mesh = scan_of_a_ball().mesh
-    assert len(scan_of_a_ball(gaps=np.zeros(len(mesh.triangles), dtype=bool)).warnings) == 2
+    count = len(scan_of_a_ball().mesh.triangles)
+    assert len(scan_of_a_ball(gaps=np.zeros(count, dtype=bool)).warnings) == 2
+    for known in (0, 1):
+        sentence = scan_of_a_ball(gaps=np.arange(count) >= known).warnings[0]
+        assert sentence.startswith("100 % of the surface is farther than 0.3 from all points")
+    assert re.match(r"0\.\d+ % of", scan_of_a_ball(gaps=np.arange(count) < 1).warnings[0])
 
 
 @pytest.mark.parametrize("few", [1, 2])
