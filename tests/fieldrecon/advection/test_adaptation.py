@@ -82,7 +82,7 @@ def test_no_point_is_left_that_could_be_added_or_removed(d):
 
 
 def test_at_the_bounds_of_the_indicator_nothing_changes():
-    """Also with one point, and few points have fewer neighbours."""
+    """Nor with one point; few points have fewer neighbours."""
     x = halton(30, 2)
     found = adapted_points(x, np.full(30, 0.5), refine=0.5, coarsen=0.5, spacing=0.01)
     assert np.array_equal(found, x)
@@ -90,6 +90,8 @@ def test_at_the_bounds_of_the_indicator_nothing_changes():
     triangle = [[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]]
     found = adapted_points(triangle, np.ones(3), **RULES)
     assert sorted(found[3:].tolist()) == [[0, 2], [2, 0], [2, 2]]
+    line = adapted_points([[0.0], [2.0], [6.0]], np.ones(3), **RULES | {"spacing": 1.0})
+    assert sorted(line[3:, 0].tolist()) == [1, 3, 4]  # they may be just as near as the spacing
 
 
 @pytest.mark.slow

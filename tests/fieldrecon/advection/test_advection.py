@@ -470,7 +470,7 @@ def test_the_velocity_between_snapshots_is_linear_in_time():
         expected = [np.interp(t, times, component) for component in values.T]
         assert_close(wind(x, t)[0], np.array(expected), 1e-7)
     for t in (2.0 - 9e-9, 9.0 + 9e-9):
-        with pytest.raises(ValueError, match="lies outside the snapshots, 2.0 to 9.0"):
+        with pytest.raises(ValueError, match=r"lies outside the snapshots, 2\.0 to 9\.0"):
             wind(x, t)
     pair = Snapshots(times[:2], wind.fields[:2])
     assert_close(pair(x, 2.5)[0], (values[0] + values[1]) / 2, 1e-12)

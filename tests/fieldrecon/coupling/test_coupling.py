@@ -506,7 +506,9 @@ def test_shares_of_parts_sum_to_the_forces_and_moments_of_the_surface():
         alone = net_force_and_moment(t.surface[here == k], f[here == k])
         assert_close(shares[k].sum(axis=0), alone, 1e-10)
     loads = t.loads(f)[there == 2]
-    assert_close(shares[:, 2].sum(axis=0), net_force_and_moment(t.structure[there == 2], loads), 1e-10)
+    assert_close(
+        shares[:, 2].sum(axis=0), net_force_and_moment(t.structure[there == 2], loads), 1e-10
+    )
 
 
 def test_the_flatness_that_a_warning_suggests_is_twice_the_thickness():

@@ -511,7 +511,11 @@ def test_the_variogram_of_a_survey_is_that_of_its_samples():
     """Of the first value by default; on the globe of unit vectors, in degrees."""
     values = np.column_stack([np.sin(9 * PLANE), PLANE**2])
     survey = plane(POINTS, value=values)
-    for found, column in ((survey.variogram(), 0), (survey.variogram(0), 0), (survey.variogram(1), 1)):
+    for found, column in (
+        (survey.variogram(), 0),
+        (survey.variogram(0), 0),
+        (survey.variogram(1), 1),
+    ):
         np.testing.assert_allclose(found.values, variogram(POINTS, values[:, column]).values)
     on_globe = plane(POINTS, value=PLANE, lonlat=True).variogram()
     flat = POINTS * [np.cos(np.radians(0.5)), 1.0]

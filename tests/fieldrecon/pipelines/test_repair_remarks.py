@@ -100,8 +100,8 @@ def test_the_suggested_tolerance_merges_a_noisy_soup():
 def test_a_tolerance_is_suggested_for_a_hundredth_of_the_vertices(pairs, apart, told):
     """They are nearer to another one than a fiftieth of an edge, and farther than the tolerance."""
     corners = np.array([[0, 0, 0], [1, 0, 0], [0.5, 0.75**0.5, 0]])
-    points = np.concatenate([corners + [3.0 * k, 0, 0] for k in range(100)])
-    points[3 : 3 + 3 * pairs : 3] = points[150 : 150 + 3 * pairs : 3] + [0, 0, apart]
+    points = np.concatenate([np.add(corners, [3.0 * k, 0, 0]) for k in range(100)])
+    points[3 : 3 + 3 * pairs : 3] = np.add(points[150 : 150 + 3 * pairs : 3], [0, 0, apart])
     errors = SimpleNamespace(clean=False, tolerance=1e-6)
     found = _tolerance_remark(points, np.arange(300).reshape(-1, 3), errors)
     assert found == told * (
