@@ -523,6 +523,13 @@ def test_the_flatness_that_a_warning_suggests_is_twice_the_thickness():
     assert type(quietly(couple, almost, y, cubics, flatness=0.4 * flatness)) is Coupling
 
 
+def test_with_the_flatness_zero_no_thick_plate_is_flat():
+    """Also the class itself takes it."""
+    assert type(couple(nodes(3), skin_points(3), cubics, flatness=0.0)) is Coupling
+    plane = np.pad(nodes(2), ((0, 0), (0, 1)))
+    assert isinstance(FlatCoupling(plane, plane, cubics, flatness=0.0), FlatCoupling)
+
+
 def test_moments_equal_cross_products():
     """In the plane the moment is the third component."""
     p, f = skin_points(3), np.cos(9 * skin_points(3))
