@@ -66,7 +66,7 @@ class Polytope:
 def around(vectors: np.ndarray, axis: np.ndarray) -> np.ndarray:
     """Order of vectors in space by their angle about an axis; none may be parallel to it."""
     flat = vectors - np.outer(vectors @ axis, axis) / (axis @ axis)
-    first = flat[0] / np.linalg.norm(flat[0])
+    first = flat[0]
     second = np.cross(axis, first) / np.linalg.norm(axis)
     return np.argsort(np.arctan2(flat @ second, flat @ first), kind="stable")
 

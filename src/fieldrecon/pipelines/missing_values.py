@@ -54,7 +54,7 @@ def suspects(values: np.ndarray) -> list[Suspect]:
     []
     """
     distinct, counts = np.unique(values, return_counts=True)
-    found: list[Suspect] = []
+    found: list[tuple[float, int]] = []
     low, high = 0, len(distinct) - 1
     while high - low >= _LEAST_OTHERS:
         inner = distinct[high - 1] - distinct[low + 1]
@@ -65,7 +65,7 @@ def suspects(values: np.ndarray) -> list[Suspect]:
         far = (_BESIDE if repeated else _APART) if usual else _FAR
         if not gaps[end] > max(far * inner, 2 * step) or not (usual or repeated):
             break
-        found.append(Suspect(float(distinct[end]), int(counts[end]), (0.0, 0.0)))
+        found.append((float(distinct[end]), int(counts[end])))
         low, high = (low + 1, high) if end == low else (low, high - 1)
     others = float(distinct[low]), float(distinct[high])
-    return [suspect._replace(others=others) for suspect in found]
+    return [Suspect(value, times, others) for value, times in found]

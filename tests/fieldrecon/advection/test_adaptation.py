@@ -61,6 +61,39 @@ def test_isolated_points_are_not_removed():
     assert (nearest[~removed] < 0.03).any()
 
 
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_no_point_is_left_that_could_be_added_or_removed(d):
+    """Each is near to one that is there, or to a removed one; the least indicator comes first."""
+    x, spacing = halton(200, d), (0.001, 0.02, 0.1)[d - 1]
+    eta = np.random.default_rng(0).random(200)
+    found = adapted_points(x, eta, refine=0.7, coarsen=0.3, spacing=spacing)
+    kept = np.array([tuple(p) in pairs(found) for p in x.tolist()])
+    assert np.array_equal(found[: kept.sum()], x[kept])
+    near = cKDTree(x).query(x, 2 * d + 1)[1][:, 1:]
+    middle = ((x[:, None] + x[near]) / 2)[eta > 0.7].reshape(-1, d)
+    assert (cKDTree(np.vstack([x, found])).query(middle)[0] < spacing).all()
+    corners = ConvexHull(x).vertices if d > 1 else [x.argmin(), x.argmax()]
+    may_go = (eta < 0.3) & ~np.isin(np.arange(200), corners)
+    assert not kept[np.where(may_go, eta, 1.0).argmin()]
+    for i in np.flatnonzero(may_go):
+        beside = {*near[i], *np.flatnonzero((near == i).any(axis=1))}
+        assert kept[i] == any(not kept[j] for j in beside)
+        assert not kept[i] or any(not kept[j] and eta[j] <= eta[i] for j in beside)
+
+
+def test_at_the_bounds_of_the_indicator_nothing_changes():
+    """Nor with one point; few points have fewer neighbours."""
+    x = halton(30, 2)
+    found = adapted_points(x, np.full(30, 0.5), refine=0.5, coarsen=0.5, spacing=0.01)
+    assert np.array_equal(found, x)
+    assert adapted_points([[3.0]], [0.0], **RULES).tolist() == [[3.0]]
+    triangle = [[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]]
+    found = adapted_points(triangle, np.ones(3), **RULES)
+    assert sorted(found[3:].tolist()) == [[0, 2], [2, 0], [2, 2]]
+    line = adapted_points([[0.0], [2.0], [6.0]], np.ones(3), **RULES | {"spacing": 1.0})
+    assert sorted(line[3:, 0].tolist()) == [1, 3, 4]  # they may be just as near as the spacing
+
+
 @pytest.mark.slow
 def test_adaptive_sites_reduce_the_error_of_a_front():
     """A steep ring is rotated with adaptive sites and with as many fixed sites."""

@@ -9,7 +9,13 @@ from scipy.optimize import brentq, minimize
 
 from fieldrecon import reconstruction
 from fieldrecon.advection import characteristics as characteristics
-from fieldrecon.advection.characteristics import SCHEMES, Inflow, Snapshots, departure_points
+from fieldrecon.advection.characteristics import (
+    SCHEMES,
+    Inflow,
+    Snapshots,
+    departure_points,
+    entries,
+)
 from fieldrecon.advection.mass_fixer import project_to_bounds_and_mass
 from fieldrecon.advection.semi_lagrangian_steps import State, semi_lagrangian
 from fieldrecon.datasets.synthetic import halton
@@ -422,6 +428,20 @@ def test_the_projection_to_bounds_and_mass_is_orthogonal():
     assert m @ (found - u) ** 2 <= m @ (reference - u) ** 2 + 1e-9
 
 
+@pytest.mark.parametrize("share", [1e-4, 0.5, 1 - 1e-4])
+def test_values_and_bounds_with_a_constant_are_projected_to_the_same_with_it(share):
+    """Also a negative one, and totals near the least and the largest; each column by itself."""
+    rng, m = np.random.default_rng(2), np.array([1.0, 2.0, 3.0, 0.5])
+    u = rng.normal(size=(4, 2))
+    low, high = u - rng.random((4, 2)), u + rng.random((4, 2))
+    total = m @ ((1 - share) * low + share * high)
+    found = project_to_bounds_and_mass(u, low, high, m, total)
+    assert_close(m @ found, total, 1e-12)
+    for c in (-50.0, 50.0):
+        moved = project_to_bounds_and_mass(u + c, low + c, high + c, m, total + c * m.sum())
+        assert_close(moved, found + c, 1e-12)
+
+
 @pytest.mark.parametrize("end", ["low", "high"])
 def test_the_extreme_masses_determine_the_values(end):
     """At the largest or smallest possible total the values are the bounds.
@@ -438,6 +458,40 @@ def test_the_extreme_masses_determine_the_values(end):
         match=r"cannot be .* within the bounds of neighbouring values",
     ):
         project_to_bounds_and_mass(u, low, high, m, beyond)
+
+
+def test_the_velocity_between_snapshots_is_linear_in_time():
+    """It is that of each snapshot at its time, and ends at the first and the last, to rounding."""
+    times, rng = [2.0, 3.0, 5.0, 9.0], np.random.default_rng(0)
+    values, method = rng.normal(size=(4, 2)), LeastSquares(np.eye(2), degree=0)
+    wind = Snapshots(times, [method.field(np.tile(v, (2, 1))) for v in values])
+    x = np.array([[0.3, 0.7]])
+    for t in (*times, 2.3, 3.1, 4.9, 6.0, 8.5, 2.0 - 6e-9, 9.0 + 6e-9):
+        expected = [np.interp(t, times, component) for component in values.T]
+        assert_close(wind(x, t)[0], np.array(expected), 1e-7)
+    for t in (2.0 - 9e-9, 9.0 + 9e-9):
+        with pytest.raises(ValueError, match=r"lies outside the snapshots, 2\.0 to 9\.0"):
+            wind(x, t)
+    pair = Snapshots(times[:2], wind.fields[:2])
+    assert_close(pair(x, 2.5)[0], (values[0] + values[1]) / 2, 1e-12)
+    with pytest.raises(ValueError, match="times must increase, one for each"):
+        Snapshots([2.0, 2.0], pair.fields)
+
+
+def test_in_a_wind_that_grows_linearly_the_times_of_entry_are_exact():
+    """Then the way is quadratic in time: x = (1 + t) s - s²/2 for the time s since the entry."""
+    x, t, dt = np.array([[0.1, 1.0], [0.5, 2.0], [1.3, 3.0], [2.0, 4.0]]), 2.0, 0.5
+
+    def wind(y, time):
+        return np.tile([1.0 + time, 0.0], (len(y), 1))
+
+    flow = Inflow(lambda y: y[:, 0], lambda y, _: y[:, 0])
+    entered = entries(x, departure_points(x, wind, t, dt), wind, t, dt, flow)
+    assert entered.which.tolist() == [0, 1, 2]
+    assert_close(entered.points, x[:3] * [0.0, 1.0], 1e-12)
+    assert_close(entered.delays, 1 + t - np.sqrt((1 + t) ** 2 - 2 * x[:3, 0]), 1e-12)
+    edge = x * [0.0, 1.0]  # in still air nothing enters, also there
+    assert not len(entries(edge, edge, lambda y, _: 0 * y, t, dt, flow).which)
 
 
 # --- refusals -------------------------------------------------------------------------------------

@@ -164,8 +164,36 @@ def test_each_connected_component_must_balance():
     assert_close(divergence_free(mesh, v), v, 0.0)
     with pytest.raises(ValueError, match="let in through the boundary as much as out; 1 more"):
         divergence_free(mesh, v + np.where(np.arange(6) == 0, 1.0, 0.0))
+    with pytest.raises(ValueError, match="as much as out; 1 more"):  # that of the first part
+        divergence_free(mesh, v + np.select([np.arange(6) == 0, np.arange(6) == 5], [1.0, 2.0]))
     with pytest.raises(ValueError, match="v must be one number for each face"):
         divergence_free(mesh, np.ones((6, 2)))
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_the_outflow_of_cells_vanishes_to_rounding(d):
+    """On the mean, it is less than two roundings of the sum of the flows of a cell."""
+    mesh = SimplexMesh.delaunay(halton(400, d))
+    w = divergence_free(mesh, random_flow(mesh))
+    flows = (mesh.face_measures * w)[mesh.cell_faces] * mesh.cell_face_signs
+    lost = np.abs(divergence(mesh, w) * mesh.cell_measures) / np.abs(flows).sum(axis=1)
+    assert lost.mean() < 4e-16
+
+
+@pytest.mark.parametrize("d", [2, 3])
+@pytest.mark.parametrize(("length", "speed"), [(1e-40, 1e-30), (1e40, 1e30), (1.0, 1e30)])
+def test_the_projection_does_not_depend_on_units(d, length, speed):
+    """Neither does the balance: a surplus of a millionth is refused, and named in the unit."""
+    mesh = scattered(d)
+    small, v = SimplexMesh(mesh.points * length, mesh.cells), random_flow(mesh)
+    assert_close(divergence_free(small, speed * v) / speed, divergence_free(mesh, v), 1e-12)
+    wall = int(np.argmax(mesh.face_cells[:, 1] < 0))
+    v[wall] += 1e-6
+    more = divergence(small, speed * v) @ small.cell_measures
+    with pytest.raises(ValueError, match="as much as out; ") as refused:
+        divergence_free(small, speed * v)
+    told = str(refused.value).partition("as much as out; ")[2].split()[0]
+    assert float(told) == pytest.approx(more, rel=0.01, abs=0.0)
 
 
 # --- advection ------------------------------------------------------------------------------------

@@ -548,6 +548,16 @@ def test_vertices_off_an_edge_by_rounding_hang_in_it(roundings, hanging):
         assert [edge.tolist() for edge in edges] == [number[[0, 5, 7, 6, 1]].tolist()] * hanging
 
 
+def test_a_triangle_may_have_vertices_inside_each_edge():
+    """Then it keeps three corners; a vertex inside the triangle leaves all as they are."""
+    vertices = np.array([[0, 0], [1, 0], [4, 0], [2, 2], [0, 4], [0, 1], [0, 3]], dtype=float)
+    ring, edges = hanging_vertices(vertices)
+    assert ring.tolist() == [0, 2, 4]
+    assert sorted(edge.tolist() for edge in edges) == [[0, 1, 2], [2, 3, 4], [4, 6, 5, 0]]
+    ring, edges = hanging_vertices(np.array([*vertices, [1.0, 1.0]]))
+    assert (ring.tolist(), edges) == ([*range(8)], [])
+
+
 class WithoutWeightOnTheirEdge(BarycentricCoordinates):
     """Coordinates of the corners alone, on all edges."""
 

@@ -13,7 +13,7 @@ import transfer_laws
 from fieldrecon import reconstruction
 from fieldrecon.coupling.flat_structures import FlatCoupling, couple
 from fieldrecon.coupling.rigid_body_motions import net_force_and_moment, rigid_motions
-from fieldrecon.coupling.transfer import Coupling, Transfer, applied
+from fieldrecon.coupling.transfer import Coupling, Transfer, applied, warn_of_large_weights
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
@@ -306,6 +306,14 @@ def test_weights_that_amplify_are_announced():
     assert (t.row_norms() >= sums / 10).all()
 
 
+def test_weights_of_a_sum_above_a_hundred_are_announced():
+    """By the node of the largest sum; no node at all has none."""
+    warn_of_large_weights(np.array([1.0, 100.0, 99.0]))
+    warn_of_large_weights(np.array([]))
+    with pytest.warns(RuntimeWarning, match=r"node 1 of the surface sum to 1e\+02, more than 100:"):
+        warn_of_large_weights(np.array([1.0, 100.5, 99.0]))
+
+
 def test_every_coupling_announces_them_once_at_the_line_of_the_caller():
     """Also one made without `couple`, of nodes in space or in a plane."""
     almost, far = np.round(flat(3), 4), flat(3) * 1e3
@@ -319,7 +327,8 @@ def test_every_coupling_announces_them_once_at_the_line_of_the_caller():
         with warnings.catch_warnings(record=True) as seen:
             warnings.simplefilter("always")
             make()
-        assert [w.filename for w in seen] == [__file__] * warned
+        own_line = (__file__, make.__code__.co_firstlineno)
+        assert [(w.filename, w.lineno) for w in seen] == [own_line] * warned
 
 
 def test_a_method_that_refuses_random_signs_is_coupled_all_the_same():
@@ -484,6 +493,41 @@ def test_local_methods_do_not_load_distant_parts():
     leaked = [np.abs(shares[[0, 1], [1, 0]]).max() for shares in (local, everywhere)]
     assert leaked[0] < 1e-12
     assert leaked[1] > VISIBLE
+
+
+def test_shares_of_parts_sum_to_the_forces_and_moments_of_the_surface():
+    """For three parts of the surface and three of the structure, of which one has no nodes."""
+    t = Coupling(plates(nodes(3)), skin_points(3))
+    f, here, there = np.cos(9 * t.surface), np.arange(90) % 3, np.arange(40) % 2 * 2
+    shares = t.shares(f, here, there)
+    assert shares.shape == (3, 3, 6)
+    assert not shares[:, 1].any()
+    for k in range(3):
+        alone = net_force_and_moment(t.surface[here == k], f[here == k])
+        assert_close(shares[k].sum(axis=0), alone, 1e-10)
+    loads = t.loads(f)[there == 2]
+    assert_close(
+        shares[:, 2].sum(axis=0), net_force_and_moment(t.structure[there == 2], loads), 1e-10
+    )
+
+
+def test_the_flatness_that_a_warning_suggests_is_twice_the_thickness():
+    """A little less makes the nodes flat as well, less than half of it does not."""
+    almost = np.round(flat(3), 4)
+    normal = np.linalg.svd(almost - almost.mean(axis=0))[2][-1]
+    y = flat(3) + 0.05 * normal
+    with pytest.warns(RuntimeWarning, match="flatness=") as seen:
+        couple(almost, y, cubics)
+    flatness = float(str(seen[0].message).partition("flatness=")[2].split()[0])
+    assert isinstance(couple(almost, y, cubics, flatness=0.7 * flatness), FlatCoupling)
+    assert type(quietly(couple, almost, y, cubics, flatness=0.4 * flatness)) is Coupling
+
+
+def test_with_the_flatness_zero_no_thick_plate_is_flat():
+    """Also the class itself takes it."""
+    assert type(couple(nodes(3), skin_points(3), cubics, flatness=0.0)) is Coupling
+    plane = np.pad(nodes(2), ((0, 0), (0, 1)))
+    assert isinstance(FlatCoupling(plane, plane, cubics, flatness=0.0), FlatCoupling)
 
 
 def test_moments_equal_cross_products():

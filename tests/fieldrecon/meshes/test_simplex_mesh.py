@@ -737,6 +737,20 @@ def test_a_tetrahedron_of_two_short_distant_edges_is_not_flat():
     assert math.isclose(mesh.cell_measures[0], h * h / 6, rel_tol=1e-14)
 
 
+@pytest.mark.parametrize("d", [2, 3])
+def test_moderate_needles_are_measured_along_their_short_edges(d):
+    """The first corner is far from the others, a hundredth of that apart; to the last digits."""
+    rng = np.random.default_rng(0)
+    base = 1.9 + 0.01 * rng.random((200, d, d))
+    corners = np.concatenate([np.zeros((200, 1, d)), base], axis=1)
+    volumes, unit, flat = signed_volumes(corners)
+    for simplex, found in zip(corners, volumes * unit**d, strict=True):
+        first, *others = rational(simplex)
+        exact = determinant([minus(other, first) for other in others]) / math.factorial(d)
+        assert abs(Fraction(float(found)) / exact - 1) < 1e-13
+    assert not flat.any()
+
+
 def hard_clouds(d):
     """Distinct points whose distances differ by up to sixteen orders."""
     rng = np.random.default_rng(d)
@@ -761,6 +775,32 @@ def test_a_vertex_inside_the_circle_of_a_cell_is_a_violation():
         assert (_violations(points, across, opposite, sure) < 0).all()
         neighbors = np.array([[-1, -1, 1], [-1, 0, -1]])
         assert (_violations(points, along, neighbors, sure) > 0.01).all()
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_a_violation_is_the_lifted_determinant_by_the_product_of_its_column_sums(d):
+    """Written out for cells that are no longer Delaunay ones; its sign tells who is inside."""
+    points = random_points(d, 25)
+    found = Delaunay(points)
+    cells, neighbors = found.simplices, found.neighbors
+    points = points * [1.0, 3.0, 1.5][:d]
+    sure = np.arange(len(cells)) % 5 > 0
+    literal = []
+    for k, c in np.ndindex(d + 1, len(cells)):
+        other = neighbors[c, k]
+        if other > c and sure[c] and sure[other]:
+            (opposite,) = points[np.setdiff1d(cells[other], cells[c])]
+            e = points[cells[c]] - opposite
+            e /= np.abs(e).max()
+            lifted = np.column_stack([e, (e**2).sum(axis=1)])
+            center = np.linalg.solve(2 * (e[1:] - e[0]), lifted[1:, d] - lifted[0, d])
+            side = np.sign(np.linalg.norm(e[0] - center) - np.linalg.norm(center))
+            size = np.abs(lifted).sum(axis=0).prod()
+            literal.append(side * abs(np.linalg.det(lifted)) / size)
+    violations = _violations(points, cells, neighbors, sure)
+    np.testing.assert_allclose(violations, literal, rtol=1e-6, atol=1e-14)
+    assert min(literal) < 0 < max(literal)
+    assert np.array_equal(_violations(2.0**-400 * points, cells, neighbors, sure), violations)
 
 
 def test_flat_cells_are_left_out_only_at_the_hull():

@@ -5,6 +5,7 @@ import signal
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
+from uuid import uuid4
 
 import dask.array
 import numpy as np
@@ -103,6 +104,18 @@ def test_a_cluster_of_threads_gives_the_same_bits(tmp_path, monkeypatch):
     with cluster(tmp_path, n_workers=2, processes=False) as client:
         there = m.field(franke(X), executor=Cluster(client))
         assert_close(there(Q, executor=Cluster(client)), here(Q), 0.0)
+
+
+def test_shared_work_is_held_until_all_chunks_are_done_and_each_task_is_run(tmp_path):
+    """Also a task like one before; the workers keep nothing."""
+    with cluster(tmp_path, n_workers=1, processes=False) as client:
+        executor = Cluster(client)
+        with executor.shared_work(abs) as work:
+            assert executor.submit(work, -3).result() == 3
+            assert work.key in client.futures
+            assert executor.submit(uuid4).result() != executor.submit(uuid4).result()
+        client.who_has()  # waits for what the client has begun
+        assert work.key not in client.futures
 
 
 def test_queries_may_be_a_dask_array():

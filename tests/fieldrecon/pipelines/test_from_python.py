@@ -19,6 +19,8 @@ from fieldrecon.io.frames import as_source
 from fieldrecon.pages.reconstruction_page import _flattened, pictures, summary
 from fieldrecon.pipelines import audit, reconstruct, surface
 from fieldrecon.pipelines.scans import ScanResult
+from fieldrecon.pipelines.validation import Validation
+from fieldrecon.pipelines.variograms import variogram
 from fieldrecon.solids.marching_cubes import extract_surface
 from fieldrecon.solids.shapes import Ball, sample_surface
 
@@ -466,6 +468,61 @@ def test_errors_of_several_values_are_in_standard_deviations_of_each():
         assert ("in standard deviations of each value" in page) == (value.ndim == 2)
 
 
+def test_distances_on_the_globe_are_angles():
+    """Of the targets, of the samples from each other, and of those that are held out, in bins."""
+    x = fr.datasets.uniform(150, 2, seed=0) * [50, 40] + [-20, 30]
+    samples, targets = x[:100], x[100:]
+    found = reconstruct(samples, value=samples[:, 1], lonlat=True, method="ls1", at=targets)
+    known = found.validations[0]
+
+    def angles(a, b):
+        (lon, lat), (east, north) = np.radians(a.T[:, :, None]), np.radians(b.T)
+        turned = np.cos(lat) * np.cos(north) * np.sin((lon - east) / 2) ** 2
+        return np.degrees(2 * np.arcsin(np.sqrt(turned + np.sin((lat - north) / 2) ** 2)))
+
+    wanted = angles(targets, samples).min(axis=1)
+    np.testing.assert_allclose(np.sort(known.targets), np.sort(wanted))
+    own = (angles(samples, samples) + 999 * np.eye(100)).min(axis=1)
+    np.testing.assert_allclose(known.leave_one_out, np.sort(own))
+    assert known.coverage()[-1][0] == known.farthest == f"{known.held_out.max():.3g} degrees"
+    assert known.sentence.count(" degrees") in (4, 5)
+
+
+@pytest.mark.parametrize(("ratio", "alike"), [(1.19, True), (0.81, True), (1.21, False)])
+def test_distances_are_alike_whose_quantiles_differ_by_a_fifth_of_their_mean(ratio, alike):
+    """The medians and the upper tenths of both are told, and how samples were held out."""
+    targets = np.linspace(0, 20, 101)
+    found = Validation(None, targets, ratio * targets, 3 * targets, np.zeros(7), np.zeros(7), " m")
+    assert found.is_matched_by_leave_one_out == alike
+    median, tenth = f"{10 * ratio:.3g}", f"{18 * ratio:.3g}"
+    told = (
+        "The targets have a median distance of 10 m from the nearest sample, the samples of "
+        f"{median} m from each other; a tenth have more than 18 m and {tenth} m. "
+    )
+    assert found.sentence.startswith(told)
+    assert f" estimated at 7 samples that were held out {'with few' if alike else 'together'}" in (
+        found.sentence
+    )
+    assert ("a median distance of 30 m (" in found.sentence) != alike
+    assert found.farthest == "60 m"
+
+
+def test_the_variogram_of_a_survey_is_that_of_its_samples():
+    """Of the first value by default; on the globe of unit vectors, in degrees."""
+    values = np.column_stack([np.sin(9 * PLANE), PLANE**2])
+    survey = plane(POINTS, value=values)
+    for found, column in (
+        (survey.variogram(), 0),
+        (survey.variogram(0), 0),
+        (survey.variogram(1), 1),
+    ):
+        np.testing.assert_allclose(found.values, variogram(POINTS, values[:, column]).values)
+    on_globe = plane(POINTS, value=PLANE, lonlat=True).variogram()
+    flat = POINTS * [np.cos(np.radians(0.5)), 1.0]
+    np.testing.assert_allclose(on_globe.distances, variogram(flat, PLANE).distances, rtol=1e-3)
+    assert on_globe.unit == " degrees"
+
+
 def test_nine_samples_have_no_picture_of_their_variogram():
     """Those of the field, its error and the distances from the samples are drawn."""
     drawn = pictures(plane(POINTS[:9], value=PLANE[:9]))
@@ -640,8 +697,12 @@ def test_the_invented_surface_is_a_part_of_the_area():
     assert float(share) == pytest.approx(37.5, abs=2)
     assert far == "0.3"
     assert len(others) == 2
-    mesh = scan_of_a_ball().mesh
-    assert len(scan_of_a_ball(gaps=np.zeros(len(mesh.triangles), dtype=bool)).warnings) == 2
+    count = len(scan_of_a_ball().mesh.triangles)
+    assert len(scan_of_a_ball(gaps=np.zeros(count, dtype=bool)).warnings) == 2
+    for known in (0, 1):
+        sentence = scan_of_a_ball(gaps=np.arange(count) >= known).warnings[0]
+        assert sentence.startswith("100 % of the surface is farther than 0.3 from all points")
+    assert re.match(r"0\.\d+ % of", scan_of_a_ball(gaps=np.arange(count) < 1).warnings[0])
 
 
 @pytest.mark.parametrize("few", [1, 2])

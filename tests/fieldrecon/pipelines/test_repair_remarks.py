@@ -1,11 +1,13 @@
 """What remains after a repair is explained, and the option that is named helps."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from fieldrecon.pipelines import audit
+from fieldrecon.pipelines.repair_remarks import _tolerance_remark
 from fieldreport.experiments.triangles.triangle_shapes import sphere
 
 
@@ -89,6 +91,23 @@ def test_the_suggested_tolerance_merges_a_noisy_soup():
     (sentence,) = told(mesh)
     tolerance = float(re.search(r"tolerance, with ([\d.e-]+),", sentence)[1])
     assert audit(mesh, repair=True, tolerance=tolerance).sound()
+
+
+@pytest.mark.parametrize(
+    ("pairs", "apart", "told"),
+    [(2, 0.018, True), (1, 0.018, False), (2, 0.021, False), (2, 1e-7, False)],
+)
+def test_a_tolerance_is_suggested_for_a_hundredth_of_the_vertices(pairs, apart, told):
+    """They are nearer to another one than a fiftieth of an edge, and farther than the tolerance."""
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0.5, 0.75**0.5, 0]])
+    points = np.concatenate([np.add(corners, [3.0 * k, 0, 0]) for k in range(100)])
+    points[3 : 3 + 3 * pairs : 3] = np.add(points[150 : 150 + 3 * pairs : 3], [0, 0, apart])
+    errors = SimpleNamespace(clean=False, tolerance=1e-6)
+    found = _tolerance_remark(points, np.arange(300).reshape(-1, 3), errors)
+    assert found == told * (
+        "4 vertices have another one within 0.018, far less than the median edge of 1: the option "
+        "tolerance, with 0.027, merges them."
+    )
 
 
 @pytest.mark.slow

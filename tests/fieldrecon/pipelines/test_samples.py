@@ -109,6 +109,8 @@ def test_equivalent_longitudes_are_the_same_point(table):
             "look like degrees but are taken as lengths of one unit: add the option lonlat",
         ),
         ("x,y,t", 80, "all within ±180 and ±90, are degrees, add the option lonlat"),
+        ("x,y,t", 5.5, "all within ±180 and ±90, are degrees, add the option lonlat"),
+        ("x,y,t", 5, ""),
         ("x,y,t", 1, ""),
         ("x,y,t", 200, ""),
         ("east,north,t", 80, ""),

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -53,6 +54,14 @@ def test_variants_have_more_and_more_smoothing_in_units_of_their_kernel(name):
         if len(here) > 1:
             power = paths[0][0].keywords["kernel"].homogeneity
             np.testing.assert_allclose(there, here * unit**power, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("where", "size"), [([[2.0]], 60), ([[2.0]] * 3, 120)])
+def test_a_single_site_has_the_spacing_one(where, size):
+    """Whether it has one sample or several: these count as one, so a patch has more of them."""
+    alone, pair = (MODELS["pu1"].makers(np.array(x))[0] for x in (where, [[0.0], [1.0]]))
+    assert {maker.keywords["patch_size"] for maker in alone} == {size}
+    assert [m.keywords["smoothing"] for m in alone] == [m.keywords["smoothing"] for m in pair]
 
 
 @pytest.mark.slow
@@ -422,6 +431,60 @@ def test_of_two_smoothings_that_are_level_all_folds_decide(noise):
         final = validator._on_all_folds(replace(first, weaker=weaker), {})
         assert final.maker is decided
         assert final.n_held_out == validator.n_held_out
+
+
+def models_with_errors(errors):
+    """Models by their names, whose fields of the value zero have these constant errors."""
+
+    def making(error):
+        field = SimpleNamespace(
+            _has_sparse_weights=False, field=lambda _: lambda x: np.full(len(x), error)
+        )
+        return lambda _: [[lambda _: field]]
+
+    return [Model(name, "LS", "", making(error)) for name, error in errors.items()]
+
+
+@pytest.mark.parametrize(
+    ("errors", "final"),
+    [
+        ({"d": 1.195, "c": 1.19, "b": 1.1, "a": 1.0, "smooth": 4.0, "linear": 5.0}, "a b c linear"),
+        ({"c": 3.0, "b": 1.21, "a": 1.0}, "a"),
+        ({"b": 1.19, "a": 1.0, "pu1": 1.0}, "a b pu1"),
+    ],
+)
+def test_three_models_near_the_best_and_the_most_cautious_are_compared_on_all_folds(errors, final):
+    """Near is up to 1.2 times the least error; the others keep that on the first folds."""
+    validator = CrossValidator.of(uniform(500, 2, seed=0), np.zeros(500))
+    scores = validator.compare(models_with_errors(errors))
+    assert {score.model.name: score.rms for score in scores} == pytest.approx(errors)
+    held_out = {score.model.name: score.n_held_out for score in scores}
+    assert {name for name, n in held_out.items() if n == 500} == {*final.split()}
+    assert all(60 <= n <= 200 for n in held_out.values() if n < 500)
+
+
+@pytest.mark.parametrize(
+    ("amplifying", "tried", "refused"),
+    [("", "abc", ""), ("a", "abcd", "a"), ("ce", "abcd", "c"), ("abcde", "abcde", "")],
+)
+def test_amplifiers_are_refused_until_three_models_are_left(
+    monkeypatch, amplifying, tried, refused
+):
+    """If none would be left, none is refused."""
+    models = models_with_errors({name: 1.0 + k for k, name in enumerate("abcde")})[::-1]
+    validator = CrossValidator.of(uniform(500, 2, seed=0), np.zeros(500))
+    scores = [validator.evaluate(model) for model in models]
+    names, seen = {score.maker: score.model.name for score in scores}, []
+
+    def amplification(_, maker):
+        seen.append(names[maker])
+        return 3.1 if names[maker] in amplifying else 2.9
+
+    monkeypatch.setattr(CrossValidator, "amplification", amplification)
+    found = validator._without_amplifiers(scores)
+    assert "".join(seen) == tried
+    assert [one.model.name for one in found] == [*"edcba"]
+    assert "".join(one.model.name for one in found if one.maker is None) == refused
 
 
 @pytest.mark.parametrize(("more", "level"), [(0.05, True), (0.2, False)])

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy import stats
+from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
 from fieldrecon.datasets.synthetic import clustered, uniform
@@ -188,3 +189,78 @@ def test_more_folds_hold_out_more_of_few_samples():
         for n_folds in (5, 20)
     ]
     assert counts[1] > 2 * counts[0] > 0
+
+
+def some_draws():
+    """Samples of a square, each with a radius and the width of a gap: the sets to leave out."""
+    points, rng = uniform(300, 2, seed=0), np.random.default_rng(1)
+    radii, gaps = 0.12 * rng.random(80) ** 2, rng.uniform(0, 0.4, 80)
+    given = list(zip(range(80), radii, gaps, strict=True))
+    tree = cKDTree(points)
+    return points, given, [module._Draw.of(tree, *one) for one in given]
+
+
+def test_a_held_out_sample_leaves_out_its_neighbourhood_and_the_other_side_of_a_gap():
+    """Written out, among all samples; half a radius farther out, nothing else may be left out."""
+    points, given, draws = some_draws()
+    for (center, radius, gap), draw in zip(given, draws, strict=True):
+        offset = points - points[center]
+        distance = np.linalg.norm(offset, axis=1)
+        own = distance <= 1.5 * radius
+        closest = min(distance[distance > 0], key=lambda r: abs(r - radius))
+        inner = distance < (closest if abs(closest - radius) <= radius / 2 else radius)
+        nearest = int(np.argmin(np.where(inner, np.inf, distance)))
+        cosine = offset @ offset[nearest] / np.maximum(distance * distance[nearest], 1e-300)
+        behind = (cosine < -0.5) & (distance < gap - radius)
+        assert {*draw.excluded} == {center, *np.flatnonzero(inner | behind)}
+        assert {*draw.touched} == {center, *np.flatnonzero(own | behind)}
+    assert module._Draw.of(cKDTree(points), 5, 0.0, 0.0).excluded.tolist() == [5]
+    for apart, excluded in ((0.6, [0]), (0.4, [0, 1])):
+        line = cKDTree([[0.0], [apart], [3.0]])
+        assert module._Draw.of(line, 0, 1.0, 2.0).excluded.tolist() == excluded
+
+
+@pytest.mark.parametrize("most", [30, 60])
+def test_each_neighbourhood_is_placed_where_it_has_room_the_largest_first(most):
+    """Written out: in the fold that excludes the fewest, apart from all that it has."""
+    draws, folds = some_draws()[2], [[], [], []]
+    for draw in sorted(draws, key=lambda draw: draw.radius, reverse=True):
+        counts = [sum(len(other.excluded) for other in own) for own in folds]
+        room = [
+            count
+            for own, count in zip(folds, counts, strict=True)
+            if count + len(draw.excluded) <= most
+            and not any({*draw.touched} & {*other.touched} for other in own)
+        ]
+        if room:
+            folds[[*counts].index(min(room))].append(draw)
+    assert module._placed(draws, 300, 3, most) == folds
+    assert 9 < sum(map(len, folds)) < len(draws)
+
+
+@pytest.mark.parametrize(("n", "vicinity"), [(500, 25), (100, 16), (9, 9)])
+def test_samples_to_hold_out_are_drawn_from_the_twentieth_that_is_nearest(n, vicinity):
+    """Or from 16 samples, if these are more; each of them is drawn.
+
+    Queries drawn like the samples have gaps no wider than these: twice the distances count.
+    """
+    points, query = uniform(n, 2, seed=0), np.array([0.4, 0.7])
+    x, rng = np.tile(query, (500, 1)), np.random.default_rng(0)
+    center, radius, _ = module._neighborhoods(cKDTree(points), x, rng)
+    distance = np.linalg.norm(points - query, axis=1)
+    assert {*center} == {*np.argsort(distance)[:vicinity]}
+    np.testing.assert_allclose(radius, distance.min())
+    among = uniform(300, 2, seed=1)
+    _, radius, gap = module._neighborhoods(cKDTree(points), among, rng)
+    np.testing.assert_allclose(gap, 2 * radius)
+
+
+def test_samples_far_from_the_others_are_given_the_larger_distances_with_their_gaps():
+    """The distances and gaps are those of the queries, in another order."""
+    points, x = tracks(50, lines=8), uniform(300, 2, seed=3) * 0.8 + 0.1
+    center, radius, gap = module._neighborhoods(cKDTree(points), x, np.random.default_rng(0))
+    own = nearest_neighbor_distances(points)[center]
+    assert (np.diff(radius[np.argsort(own, kind="stable")])[np.diff(np.sort(own)) > 0] >= 0).all()
+    distance, widths = nearest_neighbor_distances(points, x), gap_widths(points, x)
+    assert sorted(zip(radius, gap, strict=True)) == sorted(zip(distance, widths, strict=True))
+    assert (np.diff(radius) < 0).sum() > 100

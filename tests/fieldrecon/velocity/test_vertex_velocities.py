@@ -125,6 +125,17 @@ def test_the_law_of_velocities_anywhere_can_fail(mutant):
         velocities_are_those_of_the_fit_about_the_point(mutant, MESHES["jittered 2-D"])
 
 
+def test_several_velocities_at_points_are_those_of_each_alone():
+    """Data of the shape (f, 2, 3) are six normal velocities."""
+    mesh = MESHES["jittered 2-D"]
+    v = np.random.default_rng(0).normal(size=(len(mesh.faces), 2, 3))
+    found = point_velocities(mesh, v, mesh.cell_centers[:4]).values
+    assert found.shape == (4, 2, 3, 2)
+    for i, j in np.ndindex(2, 3):
+        alone = point_velocities(mesh, v[:, i, j], mesh.cell_centers[:4]).values
+        assert_close(found[:, i, j], alone, EXACT)
+
+
 # --- affine fields ------------------------------------------------------------------------------
 
 

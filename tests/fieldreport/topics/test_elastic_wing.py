@@ -57,6 +57,8 @@ def test_a_diverging_iteration_is_stopped():
     assert grown.residuals[0] == 9.0
     assert len(grown.residuals) < 12
     assert not grown.converged
+    for unit in (1e-9, 1.0, 1e9):  # 8^9 is the first power above 1e8
+        assert len(fixed_point(lambda x: 8 * x, [unit, 0.0], relaxation=1.0).residuals) == 10
     start = np.array([1.0, 2.0])
     at_rest = fixed_point(lambda x: x, start)
     assert not np.shares_memory(at_rest.value, start)
