@@ -110,7 +110,7 @@ def _formatted(cell: Any) -> str:
 def as_parameters(options: argparse.Namespace, *, omit: str = "") -> dict[str, Any]:
     """Return the options that were given or have a default, by their names on the command line."""
     return {
-        f"--{name}": str(value) if isinstance(value, Path) else value
+        f"--{name.replace('_', '-')}": str(value) if isinstance(value, Path) else value
         for name, value in vars(options).items()
         if name not in ("command", "traceback", omit) and value is not None and value is not False
     }

@@ -127,4 +127,4 @@ def _attributes(result: TargetValues, names: list[str]) -> Iterator[dict[str, An
 
 def _mapping(mapping: Mapping[str, Any] | None) -> Iterator[CfVariable]:
     if mapping is not None:
-        yield CfVariable(GRID_MAPPING, (), np.array(0, dtype=np.int32), mapping, "grid mapping")
+        yield CfVariable(GRID_MAPPING, (), np.zeros((), dtype=np.int32), mapping, "grid mapping")

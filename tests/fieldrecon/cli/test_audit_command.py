@@ -7,6 +7,7 @@ import matplotlib.image
 import numpy as np
 import pytest
 
+from fieldrecon._core import extras
 from fieldrecon.cli.audit import print_audit
 from fieldrecon.cli.main import main
 from fieldrecon.io.meshes import read_triangles, write_triangles
@@ -78,6 +79,25 @@ def test_a_repair_is_written_and_audited_again(folder, capsys):
     assert audit_mesh(*read_triangles(folder / "good.obj")).clean
     write_triangles("crossing.ply", *PLANTED["crossing"].surface)
     assert main(["audit", "crossing.ply", "--repair", "same.ply"]) == 1
+
+
+@pytest.mark.usefixtures("folder")
+def test_what_a_repair_leaves_is_explained_and_its_file_is_listed(capsys, monkeypatch):
+    """The explanation is printed and stands on the page; the option that it names helps."""
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name == "typst" else ...)
+    write_triangles("bad.ply", *PLANTED["hole"].surface)
+    arguments = ["audit", "bad.ply", "--repair", "same.ply"]
+    assert main([*arguments, "--largest-hole", "0"]) == 1
+    shown = capsys.readouterr().out
+    words = " ".join(shown.split())
+    assert "bad.ply: " in words
+    assert "same.ply: " in words
+    assert "Repaired: nothing." in words
+    assert "1 hole was not filled" in words
+    assert "1 hole was not filled" in Path("audit/audit.html").read_text()
+    assert shown.splitlines()[-2:] == ["audit/audit.json", "same.ply"]
+    assert main([*arguments, "--largest-hole", "1"]) == 0
+    assert "not filled" not in capsys.readouterr().out
 
 
 @pytest.mark.slow

@@ -4,6 +4,8 @@ import csv
 import json
 import os
 import pty
+import re
+import runpy
 import subprocess
 import sys
 from contextlib import suppress
@@ -14,6 +16,10 @@ import numpy as np
 import pytest
 
 from fieldrecon import LeastSquares, OnGlobe, SimplexMesh, load, save
+from fieldrecon._core import extras
+from fieldrecon.cli import main as main_module
+from fieldrecon.cli.commands import OF_THE_LIBRARY
+from fieldrecon.cli.console import print_missing_pictures
 from fieldrecon.cli.main import main
 from fieldrecon.datasets.synthetic import clustered, franke, uniform
 from fieldrecon.io import read_mesh_and_data, write_mesh
@@ -56,6 +62,9 @@ def test_the_arguments_of_the_process_are_those_of_the_command(capsys, monkeypat
     monkeypatch.setattr(sys, "argv", ["fieldrecon", "--version"])
     with pytest.raises(SystemExit, match="0"):
         main()
+    assert capsys.readouterr().out == f"fieldrecon {version('fieldrecon')}\n"
+    with pytest.raises(SystemExit, match="0"):
+        runpy.run_path(main_module.__file__, run_name="__main__")
     assert capsys.readouterr().out == f"fieldrecon {version('fieldrecon')}\n"
 
 
@@ -593,6 +602,40 @@ def test_an_interrupt_has_status_130(capsys, monkeypatch):
     monkeypatch.setattr(experiments_command, "titles", interrupted)
     assert main(["experiments", "list"]) == 130
     assert capsys.readouterr().err == "fieldrecon: interrupted\n"
+
+
+def test_nothing_more_is_written_to_a_pipe_that_was_closed(monkeypatch, tmp_path):
+    """The status is that of success; what Python writes at its end goes nowhere."""
+
+    def closed():
+        raise BrokenPipeError
+
+    monkeypatch.setattr(experiments_command, "titles", closed)
+    with (tmp_path / "out").open("w") as stream, monkeypatch.context() as patch:
+        patch.setattr(sys, "stdout", stream)
+        assert main(["experiments", "list"]) == 0
+        stream.write("more")
+    assert (tmp_path / "out").read_text() == ""
+
+
+def test_what_is_not_installed_is_named_before_the_work(capsys, monkeypatch):
+    """A command, the packages that it needs, or those for pictures, which it does without."""
+    monkeypatch.setattr(extras, "find_spec", lambda _: None)
+    with pytest.raises(SystemExit, match="2"):
+        main(["grade", "--help"])
+    assert re.search("are not installed; .* the extras .*'grade': pip", capsys.readouterr().err)
+    print_missing_pictures()
+    sentence = "fieldrecon: no picture was drawn: matplotlib and typst are not installed; they come"
+    assert capsys.readouterr().err.startswith(sentence)
+    monkeypatch.setattr(main_module, "commands", lambda: OF_THE_LIBRARY)
+    with pytest.raises(SystemExit, match="2"):
+        main(["--traceback", "report"])
+    shown = capsys.readouterr().err
+    assert "the command 'report' comes with fieldrecon-course: pip install '" in shown
+    assert shown.endswith("[report]'\n")
+    with pytest.raises(SystemExit, match="2"):
+        main(["reports"])
+    assert "invalid choice: 'reports'" in capsys.readouterr().err
 
 
 def test_traceback_option_raises_the_exception(survey):

@@ -1,13 +1,16 @@
 """What the command line prints: tables and paragraphs that fit the terminal, and progress bars."""
 
+import argparse
 import io
+import re
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 from fieldrecon.cli import progress
-from fieldrecon.cli.console import print_table, say
+from fieldrecon.cli.console import as_parameters, print_table, say
 from fieldrecon.cli.progress import Bar, Stage, StatusLine
 
 WORDS = "several words that are too long for one line of a narrow terminal"
@@ -41,16 +44,54 @@ def on_screen(text: str) -> list[str]:
 
 @pytest.mark.parametrize("width", [30, 60])
 def test_a_table_is_wrapped_to_the_terminal(monkeypatch, width):
-    """No line is longer than the terminal, and the words of a wrapped cell keep their order."""
+    """The table is as wide as the terminal, and the words of a wrapped cell keep their order."""
     shown = terminal(monkeypatch, "stdout", width)
     print_table(("name", "meaning"), ROWS, title="A title")
     lines = shown.getvalue().splitlines()
-    assert max(map(len, lines)) <= width
+    assert max(map(len, lines)) == len(lines[2]) == width
     column = lines[1].index("meaning")
     assert f"meaning {'-' * 7}" in " ".join(line[column:][:7] for line in lines[1:3])
     cell = " ".join(line[column:] for line in lines[3:-3])
     assert cell.split() == WORDS.split()
     assert [line[column:] for line in lines[-3:-1]] == ["0.1235", "1,2"]
+
+
+@pytest.mark.parametrize(
+    ("columns", "rows", "transposed"),
+    [(7, 1, False), (8, 7, True), (8, 8, False), (14, 8, False), (15, 8, True)],
+)
+def test_a_table_of_many_columns_is_transposed(capsys, columns, rows, transposed):
+    """Of more than seven, unless it has more rows than that; of more than fourteen always."""
+    table = [[f"{row}.{column}" for column in range(columns)] for row in range(1 + rows)]
+    print_table(table[0], table[1:])
+    first, below, *others, end = capsys.readouterr().out.splitlines()
+    assert {*below} == {"-", " "}
+    wanted = [*map(list, zip(*table, strict=True))] if transposed else table
+    assert [line.split() for line in (first, *others)] == wanted
+    assert end == ""
+
+
+def test_no_column_is_narrower_than_eight_characters(monkeypatch):
+    """Also where the table is then wider than the terminal; a narrow column stays as it is."""
+    shown = terminal(monkeypatch, "stdout", 12)
+    print_table(("a", "b", "c"), [("x", "y" * 20, "z" * 9)])
+    assert shown.getvalue().splitlines() == [
+        "a  b         c",
+        "-  --------  --------",
+        "x  yyyyyyyy  zzzzzzzz",
+        "   yyyyyyyy  z",
+        "   yyyy",
+        "",
+    ]
+
+
+def test_parameters_are_the_options_that_were_given_or_have_a_default():
+    """By their names on the command line, and without the file that is named elsewhere."""
+    options = {"mesh": Path("a.stl"), "json": True, "open": False, "tolerance": None}
+    options |= {"out": Path("audit"), "largest_hole": 0.0, "command": print, "traceback": True}
+    shown = {"--json": True, "--out": "audit", "--largest-hole": 0.0}
+    assert as_parameters(argparse.Namespace(**options), omit="mesh") == shown
+    assert as_parameters(argparse.Namespace(**options)) == {"--mesh": "a.stl"} | shown
 
 
 @pytest.mark.parametrize("transposed", [False, True])
@@ -90,6 +131,18 @@ def test_output_to_a_file_is_not_wrapped(capsys, monkeypatch):
     assert shown[-1] == WORDS
 
 
+@pytest.mark.parametrize("width", [30, 60])
+def test_the_status_line_is_shorter_than_the_terminal(monkeypatch, width):
+    """It is cut to one character less, so that it is never wrapped, and erased as a whole."""
+    shown = terminal(monkeypatch, "stderr", width)
+    with StatusLine() as line:
+        line.show(WORDS)
+        assert on_screen(shown.getvalue()) == [WORDS[: width - 1].rstrip()]
+        line.show("short")
+        assert on_screen(shown.getvalue()) == ["short"]
+    assert on_screen(shown.getvalue()) == [""]
+
+
 def test_the_status_line_is_erased_at_the_end(monkeypatch):
     """Lines printed with `say` remain on the terminal; the labels of stages are erased."""
     shown = terminal(monkeypatch, "stderr")
@@ -109,6 +162,8 @@ def test_a_line_is_shown_at_once(monkeypatch):
     with StatusLine() as line:
         line.say("kept")
         assert seen[-1].endswith("kept\n")
+        line.show("begun")
+        assert seen[-1].endswith("begun")
 
 
 def test_the_bar_shows_the_number_of_finished_tasks(monkeypatch):
@@ -117,6 +172,8 @@ def test_the_bar_shows_the_number_of_finished_tasks(monkeypatch):
     with Bar() as bar:
         bar.add(3)
         bar.add(1)
+        (line,) = on_screen(shown.getvalue())
+        assert line.endswith(" 0 %, 0 of 4")
         bar.done("drew it")
         kept, line = on_screen(shown.getvalue())
         assert kept == "drew it"
@@ -130,6 +187,56 @@ def test_output_to_a_file_has_no_bar(capsys):
         bar.add(1)
         bar.done("drew it")
     assert capsys.readouterr().err == "drew it\n"
+
+
+def test_a_bar_is_filled_in_proportion_to_the_work():
+    """To the nearest of its ten cells, and to the nearest percentage."""
+    for done in range(31):
+        bar = progress.bar(done, 30)
+        full, left, percent = re.fullmatch(r"\[(#*)(-*)\] +(\d+) %", bar).groups()
+        assert len(full + left) == 10
+        assert abs(len(full) - done / 3) < 0.5
+        assert abs(int(percent) - done / 0.3) < 0.5
+
+
+def test_times_are_in_seconds_or_from_ninety_on_in_minutes():
+    for seconds in (0.2, 59.4, 61.0, 89.4, 90.0, 100.0, 3599.0):
+        number, unit = progress.in_words(seconds).split()
+        size = {"seconds": 1, "minutes": 60}[unit]
+        assert size == (1 if seconds < 90 else 60)
+        assert abs(int(number) * size - seconds) <= size / 2
+
+
+def test_finished_items_are_counted_while_others_are_waited_for(monkeypatch):
+    """The results are those of the mapping, in its order; the bar is erased at the end."""
+    shown = terminal(monkeypatch, "stderr")
+    monkeypatch.setattr(progress, "_SECONDS_BETWEEN", 0)
+    with progress.progress(map, "squares") as counted:
+        results = counted(lambda x: x**2, iter(range(4)))
+        for k in range(4):
+            assert next(results) == k**2
+            (line,) = on_screen(shown.getvalue())
+            assert line.startswith(f"squares {progress.bar(k + 1, 4)}, about ")
+        assert next(results, None) is None
+    assert on_screen(shown.getvalue()) == [""]
+
+
+def test_a_stage_shows_its_name_at_once_and_then_the_memory(monkeypatch):
+    """The next stage replaces it."""
+    shown = terminal(monkeypatch, "stderr")
+    monkeypatch.setattr(progress, "_SECONDS_BETWEEN", 0)
+    with progress.stages() as stage:
+        report = stage("fitting")
+        assert on_screen(shown.getvalue()) == ["fitting"]
+        report(0, 4)
+        assert on_screen(shown.getvalue()) == ["fitting"]
+        report(3, 4)
+        (line,) = on_screen(shown.getvalue())
+        bar = re.escape(progress.bar(3, 4))
+        assert re.fullmatch(rf"fitting {bar}, about 0 seconds left, \d\.\d\d GB", line)
+        stage("evaluating")
+        assert on_screen(shown.getvalue()) == ["evaluating"]
+    assert on_screen(shown.getvalue()) == [""]
 
 
 def test_a_stage_shows_the_time_that_is_left_at_most_ten_times_a_second(monkeypatch):

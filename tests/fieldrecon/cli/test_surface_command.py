@@ -42,10 +42,20 @@ def test_a_ball_is_reconstructed_as_a_closed_mesh(folder, capsys):
 
 
 @pytest.mark.parametrize(
-    ("name", "origin", "error"), [("a.STL", 1e7, "0.3"), ("a.ply", 1e7, ""), ("a.stl", 0.0, "")]
+    ("name", "origin", "error"),
+    [
+        ("a.STL", 1e7, "0.3"),
+        ("a.stl", 1e5, "0.0031"),
+        ("a.stl", 1e3, ""),
+        ("a.stl", 0.0, ""),
+        ("a.ply", 1e7, ""),
+    ],
 )
 def test_single_precision_is_reported_where_it_displaces_vertices(name, origin, error):
-    """At 1e7 its numbers are one apart; other formats have double precision."""
+    """At 1e7 its numbers are one apart, at 1e5 a hundredth, at 1e3 less than 1e-4.
+
+    The spacing is a tenth. Other formats have double precision.
+    """
     points = origin + np.array([[0.3, 0, 0], [1, 2, 3]])
     scan = SimpleNamespace(points=points, body=SimpleNamespace(spacing=0.1))
     said = [*_precision_warning(scan, Path(name))]

@@ -12,7 +12,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import fieldrecon as fr
-from fieldrecon._core.blas_threads import FEW, Owner, blas_threads_for
+from fieldrecon._core.blas_threads import _LIBRARIES, FEW, Owner, _number, blas_threads_for
 from fieldrecon._core.chunks import Inline, chunked
 from fieldreport.experiments.coupling.vortex_lattice import VortexLattice
 
@@ -117,6 +117,17 @@ def test_worker_processes_use_one_blas_thread():
         assert pool.submit(threads).result() == {MANY}
         assert [seen for _, seen in chunked(threads_in_worker, X, 2, pool)] == [{1}, {1}]
         assert pool.submit(threads).result() == {MANY}
+
+
+@pytest.mark.parametrize("library", _LIBRARIES, ids=lambda one: one.filepath.rpartition("/")[2])
+def test_the_number_of_threads_can_be_set_from_any_thread(library):
+    """It is that of the library, as threadpoolctl reads it."""
+    number, set_number = _number(library)
+    for wanted in (1, 2, MANY):
+        with ThreadPoolExecutor(1) as pool:
+            pool.submit(set_number, wanted).result()
+            assert pool.submit(number).result() == wanted
+        assert number() == library.get_num_threads() == wanted
 
 
 def orders(holders):

@@ -159,6 +159,20 @@ class Recorded:
         self.read_text = files.get
 
 
+def test_the_companion_is_installed_from_a_checkout_that_has_it(monkeypatch, tmp_path):
+    """From the index where fieldrecon itself is, or where its folder is no checkout."""
+    files = {"RECORD": ""}
+    monkeypatch.setattr(_extras, "distributions", lambda **_: [Recorded(files)])
+    from_index = "fieldrecon-course: pip install 'fieldrecon-course[report]'"
+    assert _extras.companion("report") == from_index
+    files["direct_url.json"] = json.dumps({"url": tmp_path.as_uri(), "dir_info": {}})
+    assert _extras.companion("report") == from_index
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src" / "pyproject.toml").touch()
+    line = f"fieldrecon-course: pip install '{tmp_path / 'src'}[report]'"
+    assert _extras.companion("report") == line
+
+
 def test_the_install_command_for_a_checkout_is_its_path(monkeypatch, tmp_path):
     """In the root of the checkout the path is a dot."""
     monkeypatch.chdir(ROOT)

@@ -1,9 +1,13 @@
 """The memory limit of a process: that of the machine or of its container, whichever is smaller."""
 
+import re
+import sys
+from pathlib import Path
+
 import pytest
 
 from fieldrecon._core import memory as _memory
-from fieldrecon._core.memory import memory_limit
+from fieldrecon._core.memory import memory_limit, memory_used, peak_memory
 
 GIBIBYTE = 2**30
 
@@ -64,3 +68,17 @@ def test_without_control_groups_the_limit_is_the_memory_of_the_machine(machine):
 def test_the_limit_of_this_machine_is_plausible():
     """The limit lies between a quarter of a gibibyte and an exbibyte."""
     assert 2**28 < memory_limit() < 2**60
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the system has no such file")
+def test_the_peak_is_not_less_than_that_of_the_resident_memory():
+    """It may be greater: it is inherited from the program that started this one."""
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    resident = 1024 * int(re.search(r"VmHWM:\s+(\d+) kB", status)[1])
+    assert resident <= peak_memory() < memory_limit()
+
+
+def test_memory_is_told_in_gigabytes_if_it_is_known():
+    assert memory_used(2_345_678_900) == ", 2.35 GB"
+    assert memory_used(0, " of memory") == ", 0.00 GB of memory"
+    assert memory_used(None, " of memory") == ""

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 import warnings
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -39,6 +40,14 @@ def recorded(path: Path) -> str:
     finally:
         HERE[0] = before
     return path.read_text()
+
+
+def is_running(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    return True
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="no system call for it here")
@@ -84,6 +93,32 @@ def test_ctrl_c_is_blocked_while_a_worker_is_started():
     with _ctrl_c_blocked():
         assert signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
+def test_a_process_does_not_outlive_the_program_that_started_it():
+    """The program ends at once, and does not wait for it."""
+    code = (
+        "import time; from fieldrecon._core.worker_processes import start_process; "
+        "start_process(time.sleep, 60)"
+    )
+    subprocess.run([sys.executable, "-c", code], timeout=30, check=True)
+
+
+def test_a_worker_ends_with_the_program_that_started_it(tmp_path):
+    """Also if that is killed; before, the worker calls a function, which cleans up."""
+    code = (
+        "import os, signal, sys; from pathlib import Path; "
+        "from fieldrecon._core.worker_processes import WorkerPool; "
+        "pool = WorkerPool(1, end=Path(sys.argv[1]).touch); "
+        "print(pool.submit(os.getpid).result(), flush=True); os.kill(os.getpid(), signal.SIGKILL)"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path / "ended")]
+    worker = int(subprocess.run(command, stdout=subprocess.PIPE, check=False).stdout)
+    last = time.monotonic() + 20
+    while is_running(worker) and time.monotonic() < last:
+        time.sleep(0.01)
+    assert not is_running(worker)
+    assert (tmp_path / "ended").exists()
 
 
 class WarnsOfThreads(BaseProcess):

@@ -97,6 +97,15 @@ def test_isolines_of_a_roof_equal_the_computation_by_hand():
     assert len(points) == 5 * 9
 
 
+def test_isolines_keep_close_points_unless_a_distance_is_asked_for():
+    """Of points in rows 0.02 m apart every second one is closer to another than 0.03 m."""
+    steep = Terrain(roof().x, roof().y / 1000, roof().height)
+    points, levels = steep.isolines(2)
+    assert len(points) == len(roof().isolines(2)[0])
+    assert len(steep.isolines(2, 0.03)[0]) == len(points) * 3 // 5
+    assert (np.diff(points[np.lexsort((points[:, 1], levels)), 1]) < 0.03).all()
+
+
 def test_isolines_commute_with_exchanging_x_and_y():
     """The isolines of the transposed terrain are the isolines with x and y exchanged."""
     land = terrain()

@@ -137,13 +137,38 @@ def test_non_finite_points_are_skipped_and_reported(tmp_path):
     assert "line 4: y must be a finite number" in read_cloud(tmp_path / "cloud.xyz").warnings[0]
 
 
-def test_points_of_a_vtk_file_are_read(tmp_path):
-    """meshio reads them, whatever the cells are."""
+def test_points_of_a_vtk_file_are_read_with_their_normals(tmp_path):
+    """meshio reads them, whatever the cells are; ten points are enough."""
     import meshio
 
-    mesh = meshio.Mesh(POINTS, [("vertex", np.arange(len(POINTS))[:, None])])
-    mesh.write(tmp_path / "cloud.vtk")
-    np.testing.assert_array_equal(read_cloud(tmp_path / "cloud.vtk").points, POINTS)
+    points = POINTS[:10]
+    for data in ({}, {"Normals": 2 * points}):
+        mesh = meshio.Mesh(points, [("vertex", np.arange(10)[:, None])], point_data=data)
+        mesh.write(tmp_path / "cloud.vtk")
+        cloud = read_cloud(tmp_path / "cloud.vtk")
+        np.testing.assert_array_equal(cloud.points, points)
+        if data:
+            np.testing.assert_array_equal(cloud.normals, 2 * points)
+        else:
+            assert cloud.normals is None
+
+
+@pytest.mark.parametrize("kind", ["ascii", *ORDERS])
+def test_a_list_of_no_faces_at_the_end_of_a_file_is_empty(tmp_path, kind):
+    (tmp_path / "cloud.ply").write_bytes(ply(kind, faces=[]))
+    assert read_elements(tmp_path / "cloud.ply")["face"]["vertex_indices"].shape == (0, 0)
+    assert read_cloud(tmp_path / "cloud.ply").triangles.shape == (0, 3)
+
+
+def test_normals_of_zero_are_no_normals(tmp_path):
+    """Then those of the triangles are taken, if there are any."""
+    path = tmp_path / "cloud.ply"
+    path.write_bytes(ply("ascii", normals=0 * POINTS))
+    assert read_cloud(path).normals is None
+    path.write_bytes(ply("ascii", normals=0 * POINTS, faces=TRIANGLES.tolist()))
+    cloud = read_cloud(path)
+    assert cloud.normals_of == "triangles in the file"
+    assert np.einsum("ij,ij->i", cloud.normals, POINTS).min() > 0
 
 
 @pytest.mark.parametrize(
@@ -168,7 +193,7 @@ def test_points_of_a_vtk_file_are_read(tmp_path):
         ("a.ply", ply("ascii").replace(b"0.0", b"zero"), "a word that is not a number"),
         ("a.obj", b"v 1 2 3\nv 1 x 2\n", "line 2: 'v 1 x 2'"),
         ("a.obj", b"v 1 2\n", "fewer than three coordinates"),
-        ("a.xyz", b"1 2 3\n4 5 6\n", "2 points; a surface takes 10"),
+        ("a.xyz", b"1 2 3\n4 5 6\n" * 4 + b"7 8 9\n", "9 points; a surface takes 10"),
         ("a.csv", b"x,y,height\n1,2,3\n", "no column 'z'"),
         ("a.stl", b"", "not an STL file"),
     ],

@@ -1,12 +1,14 @@
 """A file that the disk has no room for is named, and nothing that looks complete is left."""
 
 import errno
+import os
 import resource
 import signal
 
 import numpy as np
 import pytest
 
+from fieldrecon._core.atomic_files import whole_file, write_atomically, write_if_changed
 from fieldrecon.io.targets import Targets, TargetValues
 from fieldrecon.io.values import FORMATS, write_values
 
@@ -43,3 +45,28 @@ def test_a_full_disk_names_the_file_and_leaves_the_one_before(tmp_path, file_lim
         assert caught.value.errno == errno.EFBIG
         assert [entry.name for entry in tmp_path.iterdir()] == [path.name]
         assert path.read_bytes() == before
+
+
+def test_a_file_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
+    """So that a power failure leaves no half of it; what can be made again is not waited for."""
+    path, seen = tmp_path / "a", []
+    monkeypatch.setattr(os, "fsync", lambda _: seen.append(path.exists()))
+    write_atomically(path, b"one", sync=False)
+    assert seen == []
+    path.unlink()
+    write_atomically(path, b"one")
+    assert seen == [False]
+    with whole_file(tmp_path / "b") as temporary:
+        temporary.write_bytes(b"two")
+    assert len(seen) == 2
+
+
+def test_a_file_with_the_same_content_is_not_written_again(tmp_path):
+    """Its time of modification, by which programs see a change, stays."""
+    path = write_if_changed(tmp_path / "new" / "a", b"one")
+    os.utime(path, (1, 1))
+    write_if_changed(path, b"one")
+    assert (path.read_bytes(), path.stat().st_mtime) == (b"one", 1)
+    write_if_changed(path, b"two")
+    assert path.read_bytes() == b"two"
+    assert path.stat().st_mtime > 1

@@ -6,7 +6,7 @@ import meshio
 import numpy as np
 import pytest
 
-from fieldrecon.io.mesh_content import divided
+from fieldrecon.io.mesh_content import divided, face_blocks
 from fieldrecon.io.meshes import read_mesh, read_mesh_and_data, read_surface, write_mesh
 from fieldrecon.io.ply import read_ply
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
@@ -197,6 +197,27 @@ def test_a_convex_polygon_is_divided_from_its_first_corner(corners):
     points = np.column_stack([np.cos(angle), np.sin(angle)]) @ plane
     fan = [[0, k, k + 1] for k in range(1, corners - 1)]
     assert divided(points, np.arange(corners)[None]).tolist() == fan
+
+
+@pytest.mark.parametrize("first", range(4))
+def test_a_polygon_that_is_not_convex_is_divided_inside(first):
+    """The areas of the triangles add up to its own, from whichever corner it begins."""
+    arrow = np.roll([[0.0, 0, 5], [2, -1, 5], [1, 0, 5], [2, 1, 5]], first, axis=0)
+    triangles = divided(arrow, np.arange(4)[None])
+    a, b, c = arrow[triangles].swapaxes(0, 1)
+    areas = np.cross(b - a, c - a)[:, 2] / 2
+    assert (areas > 0).all()
+    assert areas.sum() == pytest.approx(1.0)
+
+
+def test_faces_are_named_by_the_number_of_their_corners():
+    """Successive ones with equally many are one block."""
+    faces = [np.arange(k) for k in (0, 1, 2, 3, 3, 4, 5, 6, 3)]
+    blocks = [(kind, cells.shape) for kind, cells in face_blocks(faces)]
+    assert blocks == [
+        *(("empty", (1, 0)), ("vertex", (1, 1)), ("line", (1, 2)), ("triangle", (2, 3))),
+        *(("quad", (1, 4)), ("polygon", (1, 5)), ("polygon", (1, 6)), ("triangle", (1, 3))),
+    ]
 
 
 @pytest.mark.parametrize(

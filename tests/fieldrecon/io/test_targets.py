@@ -69,6 +69,16 @@ def test_csv_files_keep_every_digit(tmp_path, targets):
     assert np.array_equal(numbers[:, d:], np.column_stack([*result.columns.values()]))
 
 
+def test_csv_files_are_written_in_blocks_of_rows(tmp_path, monkeypatch):
+    """The file does not depend on where a block ends."""
+    result = result_at(TARGETS["points"])
+    FORMATS["csv"](tmp_path / "whole.csv", result)
+    for rows in (1, 3, 7, 8):
+        monkeypatch.setattr("fieldrecon.io.values._ROWS", rows)
+        FORMATS["csv"](tmp_path / "a.csv", result)
+        assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
+
+
 @each_kind
 def test_npz_files_keep_axes_points_and_cells(tmp_path, targets):
     """A grid has axes and shaped arrays; other targets have points, and a mesh also its cells."""
@@ -103,6 +113,9 @@ def test_vtk_files_keep_points_data_and_cells(tmp_path, targets):
     for name, column in (("a_b/c", result.values), ("error", result.error)):
         assert np.array_equal(mesh.point_data[name].ravel(), column)
     assert np.array_equal(mesh.point_data["extrapolated"].ravel(), result.extrapolated)
+    if not targets.axes:
+        corners = 1 if targets.cells is None else targets.cells.shape[1]
+        assert mesh.cells[0].type == {1: "vertex", 3: "triangle", 4: "tetra"}[corners]
     if targets.cells is not None:
         assert np.array_equal(mesh.cells[0].data, targets.cells)
 

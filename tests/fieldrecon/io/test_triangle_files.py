@@ -36,6 +36,7 @@ def written(folder, content, name="mesh.stl"):
 def test_ascii_stl_is_read_without_merging_vertices(tmp_path):
     """Each triangle has its own three points, in the order of the file."""
     points, triangles = read_triangles(written(tmp_path, ASCII))
+    np.testing.assert_array_equal(read_triangles(written(tmp_path, ASCII.upper()))[0], points)
     assert points.dtype == np.float64
     assert points.tolist() == [
         [0, 0, 0],

@@ -1,9 +1,11 @@
 """The commands as functions: data in memory, results as tables, pictures, files and pages."""
 
+import io
 import re
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -14,13 +16,27 @@ import xarray as xr
 from scipy.spatial.distance import cdist
 
 import fieldrecon as fr
+from fieldrecon._core import extras
 from fieldrecon.cli.main import main
+from fieldrecon.cli.reconstruct import print_survey
+from fieldrecon.cli.surface import print_scan
 from fieldrecon.io.frames import as_source
-from fieldrecon.pages.reconstruction_page import _flattened, pictures, summary
+from fieldrecon.pages import audit_page, surface_page
+from fieldrecon.pages.one_page import pairs
+from fieldrecon.pages.reconstruction_page import (
+    CAPTIONS,
+    OF_EACH_VALUE,
+    _flattened,
+    methods_csv,
+    picture,
+    pictures,
+    summary,
+)
 from fieldrecon.pipelines import audit, reconstruct, surface
 from fieldrecon.pipelines.scans import ScanResult
 from fieldrecon.pipelines.validation import Validation
 from fieldrecon.pipelines.variograms import variogram
+from fieldrecon.selection.models import MODELS
 from fieldrecon.solids.marching_cubes import extract_surface
 from fieldrecon.solids.shapes import Ball, sample_surface
 
@@ -461,11 +477,98 @@ def test_bad_rows_of_targets_are_kept_without_values(tmp_path):
     assert any("1 row is not a point; the first, row 2: east" in w for w in survey.warnings)
 
 
-def test_errors_of_several_values_are_in_standard_deviations_of_each():
-    """The page says so in its table of methods, and does not for one value."""
+def test_errors_of_several_values_are_in_standard_deviations_of_each(capsys):
+    """The page and the command say so above their tables of methods, and do not for one value."""
     for value in (PLANE, np.column_stack([PLANE, -PLANE])):
-        page = summary(plane(POINTS, value=value), {}, {})
-        assert ("in standard deviations of each value" in page) == (value.ndim == 2)
+        survey = plane(POINTS, value=value)
+        print_survey(survey)
+        for words in (summary(survey, {}, {}), capsys.readouterr().out):
+            assert ("in standard deviations of each value" in words) == (value.ndim == 2)
+
+
+def test_methods_have_their_errors_or_the_reason_why_there_are_none(capsys):
+    """The least error first; the method that was evaluated is marked on the page, no other one."""
+    survey = plane(POINTS, value=np.sin(9 * PLANE))
+    best = survey.chosen
+    worse = replace(best, model=MODELS["tps"], residuals=10 * best.residuals)
+    untried = replace(best, model=MODELS["pu"], residuals=None, reason="too many & too far")
+    survey = replace(survey, scores=[untried, worse, best])
+    page = summary(survey, {}, {})
+    rows = re.findall(r'<tr([^>]*)><td>(\w+)</td><td class="words">[^<]*</td>(.*?)</tr>', page)
+    shown = [(name, re.findall(r">([^<]+)<", cells)) for _, name, cells in rows]
+    errors = [
+        [f"{one.n_held_out}", f"{one.rms:.4g}", f"{one.largest:.4g}"] for one in (best, worse)
+    ]
+    assert shown == [("ls1", errors[0]), ("tps", errors[1]), ("pu", ["too many &amp; too far"])]
+    assert [mark for mark, *_ in rows] == [' class="chosen"', "", ""]
+    table = pd.read_csv(io.BytesIO(methods_csv(survey)), index_col="method")
+    assert [*table.index] == ["ls1", "tps", "pu"]
+    assert [*table["rms error"][:2]] == [best.rms, worse.rms]
+    assert [*table["largest error"][:2]] == [best.largest, worse.largest]
+    assert [*table["held out"][:2]] == [best.n_held_out] * 2
+    assert table.loc["pu", ["held out", "rms error", "largest error"]].isna().all()
+    assert [*table["remark"].isna()] == [True, True, False]
+    assert untried.reason == table.loc["pu", "remark"]
+    print_survey(survey)
+    lines = capsys.readouterr().out.splitlines()
+    shown = [re.split("  +", line) for line in lines[1:5]]
+    numbers = [
+        [one.n_held_out, *(float(f"{e:.4g}") for e in (one.rms, one.largest))]
+        for one in (best, worse)
+    ]
+    assert lines[0] == "value at 60 points: error at held-out samples"
+    assert [row[0] for row in shown] == ["method", shown[1][0], "ls1", "tps"]
+    assert [[float(cell) for cell in row[2:]] for row in shown[2:]] == numbers
+    assert lines[5:7] == ["", "pu: too many & too far."]
+    assert [*lines[7:-2]] == survey.warnings
+    assert lines[-2:] == [f"Evaluated: {survey.method}.", f"{survey.cost}."]
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_the_page_has_the_coverage_and_the_variogram_of_each_value(number):
+    """Every held-out sample is in one row; the headings name the values if there are several."""
+    values = np.column_stack([np.sin(9 * PLANE), PLANE])[:, :number]
+    survey = plane(POINTS, value=values[:, 0] if number == 1 else values)
+    page = summary(survey, {}, {}, title="Depths", files=["a b.csv"])
+    assert '<a href="a%20b.csv" download>a b.csv</a>' in page
+    assert page.count("<h1>Depths</h1>") == 1
+    headings = re.findall(r"<h2>(Coverage[^<]*)</h2>", page)
+    of = [f" of {name}" for name in survey.samples.value_names] if number > 1 else [""]
+    assert headings == [f"Coverage of the error{one} by distance" for one in of]
+    cell = r'<td class="number">([^<]+)</td>'
+    rows = re.findall(rf"<tr>{cell}{cell}{cell}</tr>", page)
+    assert rows == [
+        (far, f"{count}", f"{100 * share:.0f} %")
+        for one in survey.validations
+        for far, share, count in one.coverage()
+    ]
+    counts = [int(count) for _, count, _ in rows]
+    assert sum(counts) == sum(len(one.residuals) for one in survey.validations)
+    fitted = re.findall(rf"<tr><td>([^<]+)</td>{cell}{cell}{cell}</tr>", page)
+    assert fitted == [
+        (name, one.nugget_in_words, one.sill_in_words, one.range_in_words)
+        for name, one in zip(
+            survey.samples.value_names, map(survey.variogram, range(number)), strict=True
+        )
+    ]
+
+
+def test_each_of_several_values_has_pictures_of_its_own():
+    """They name it, also in their captions, and have its unit: here that of the other by 1000."""
+    survey = plane(POINTS, value=np.sin(9 * PLANE)[:, None] * [1.0, 1000.0])
+    names = survey.samples.value_names
+    for kind, factor in (("variogram", 1e6), ("held_out", 1e3)):
+        of_each = [picture(survey, kind, k).axes[0] for k in range(2)]
+        for name, other, axes in zip(names, names[::-1], of_each, strict=True):
+            words = f"{axes.get_xlabel()} {axes.get_ylabel()}"
+            assert name in words
+            assert other not in words
+        (low, high), (one, other) = (axes.get_ylim() for axes in of_each)
+        assert (other - one) / (high - low) == pytest.approx(factor)
+    drawn = {f"{kind}_{k}": b"" for kind in OF_EACH_VALUE for k in (1, 2)} | {"nearest": b""}
+    captions = re.findall("<figcaption>([^<]+)<", summary(survey, {}, drawn))
+    wanted = [f"{CAPTIONS[kind]}: {name}" for kind in OF_EACH_VALUE for name in names]
+    assert captions == [*wanted, CAPTIONS["nearest"]]
 
 
 def test_distances_on_the_globe_are_angles():
@@ -677,7 +780,7 @@ def scan_of_a_ball(**changed):
     """A scan whose points have a spacing of 0.1, without the fit."""
     mesh = extract_surface(Ball(1.0), spacing=0.25)
     gaps = mesh.points[mesh.triangles].mean(axis=1)[:, 2] > 0.25
-    known = SimpleNamespace(warnings=(), spacing=0.1)
+    known = SimpleNamespace(warnings=(), spacing=0.1, points=np.zeros((9, 3)))
     given = {"mesh": mesh, "distances": np.zeros(9), "gaps": gaps} | changed
     return ScanResult(known, np.zeros(3), known, **given, own_normals=False, source="a ball")
 
@@ -744,3 +847,90 @@ def test_arguments_of_a_kernel_have_names_of_their_own():
     """On the page of a survey nested arguments are listed one by one."""
     described = {"name": "RBF", "kernel": {"name": "matern", "scale": 2.0}, "degree": None}
     assert _flattened(described) == {"name": "RBF", "kernel": "matern", "kernel scale": 2.0}
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        lambda: surface_page.picture(scan_of_a_ball()),
+        lambda: audit_page.picture(audit((np.eye(3), [[0, 1, 2]]))),
+        lambda: picture(plane(FRAME), "reconstruction"),
+    ],
+)
+def test_without_the_packages_that_draw_their_extra_is_named(monkeypatch, draw):
+    """Before the work, although only one of them is missing, that of the fonts."""
+    find = extras.find_spec
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name == "typst" else find(name))
+    with pytest.raises(ModuleNotFoundError, match=r"typst is not installed; .* extra 'pictures'"):
+        draw()
+
+
+def words_of(page):
+    """The text of a page, without its tags."""
+    return " ".join(re.sub("<[^>]*>", " ", page.partition("<body>")[2]).split())
+
+
+def test_parameters_on_a_page_are_short():
+    """Six digits of a number, the shape of an array, and the items of a list."""
+    parameters = {
+        "scale": 1 / 3,
+        "count": 1234567,
+        "counts": (3, 2),
+        "names": ["a", "b"],
+        "one": ["a"],
+        "name": "a b",
+        "smoothing": np.ones((4, 2)),
+        "number": np.array(0.5),
+    }
+    assert words_of(f"<body>{pairs(parameters)}") == (
+        "scale 0.333333 count 1234567 counts 3 × 2 names a, b one a name a b "
+        "smoothing 4 × 2 numbers number 0.5"
+    )
+
+
+def test_the_page_of_an_audit_counts_the_errors_and_says_what_is_left(monkeypatch):
+    """Without the packages that draw it has no picture, and all else."""
+    monkeypatch.setattr(audit_page, "absent", lambda *_: ["typst"])
+    points, triangles = scan_of_a_ball().mesh.points, scan_of_a_ball().mesh.triangles
+    points = np.vstack([points, [[9.0, 9, 9]]])
+    apart = np.flatnonzero(~np.isin(triangles, triangles[0]).any(axis=1))[0]
+    damaged = np.delete(triangles, [0, apart], axis=0)
+    found = audit((points, damaged))
+    page = words_of(audit_page.audit_page(found, {"--open": True}))
+    assert f"{len(damaged):,} triangles and {len(points):,} vertices; tolerance" in page
+    assert "What to know 3 errors were found. Errors" in page
+    assert "boundary 2 boundary loops" in page
+    assert "--open True" in page
+    assert "Repaired" not in page
+    mended = audit((points, damaged), repair=True)
+    page = words_of(audit_page.audit_page(mended, {}))
+    assert "3 errors were found. Repaired: " in page
+    assert "2 filled holes" in page
+    assert "Left: nothing." in page
+    whole = audit((points[:-1], triangles), repair=True)
+    page = audit_page.audit_page(whole, {})
+    assert "<img" not in page
+    assert "Nothing is wrong: closed, oriented, without self-intersections." in page
+    assert "<h2>Errors" not in page
+    assert "Repaired: nothing." in page
+
+
+def test_the_page_of_a_surface_has_the_distances_of_the_points(monkeypatch, capsys):
+    """With three digits, what was found, and a picture only if it is given or can be drawn."""
+    scan = scan_of_a_ball(distances=np.random.default_rng(0).random(99))
+    assert 'base64,YWJj"' in surface_page.surface_page(scan, [], {}, b"abc")
+    monkeypatch.setattr(surface_page, "absent", lambda *_: ["typst"])
+    page = surface_page.surface_page(scan, ["One <thing>."], {"--edge": 0.5})
+    assert "One &lt;thing&gt;." in page
+    assert np.array_equal([surface_page.UP[axis] for axis in "xyz"], np.eye(3))
+    shown = words_of(page)
+    for what, distance in scan.quality.items():
+        assert f"{what} {distance:.3g} " in shown
+    print_scan(Path("ball.ply"), scan, ["One."], "3 s")
+    title, *table, _, one, cost = capsys.readouterr().out.splitlines()
+    assert title == "ball.ply: distances of 9 of 9 points from the mesh"
+    assert [line.split()[-1] for line in table[2:]] == [f"{d:.4g}" for d in scan.quality.values()]
+    assert (one, cost) == ("One.", "3 s.")
+    assert "From 9 of 9 points of a ball." in shown
+    assert "--edge 0.5 fieldrecon" in shown
+    assert "<img" not in page

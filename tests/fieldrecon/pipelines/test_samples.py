@@ -536,6 +536,23 @@ def test_parquet_files_are_tables(tmp_path):
         read_samples(path, value="name")
 
 
+def test_parquet_files_are_read_in_batches_of_rows(tmp_path, monkeypatch):
+    """Rows are numbered through, and progress ends with the last of them."""
+    monkeypatch.setattr(_text_tables, "PARQUET_ROWS", 3)
+    value = [0.0, None, 2.0, 3.0, None, 5.0, 6.0]
+    columns = {
+        "x": pa.array(range(7)),
+        "y": pa.array([*map(float, range(7))][::-1]),
+        "value": value,
+    }
+    pyarrow.parquet.write_table(pa.table(columns), tmp_path / "a.parquet")
+    steps = []
+    samples = read_samples(tmp_path / "a.parquet", progress=lambda *step: steps.append(step))
+    assert samples.points[:, 0].tolist() == samples.values.tolist() == [0, 2, 3, 5, 6]
+    assert [(row.line, row.row) for row in samples.bad] == [(2, 1), (5, 4)]
+    assert steps == [(3, 7), (6, 7), (7, 7)]
+
+
 def test_without_pyarrow_the_install_command_is_shown(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
     with pytest.raises(ImportError, match=r"pyarrow is not .* the extra 'parquet': pip install "):
