@@ -9,6 +9,7 @@ from scipy.spatial.distance import cdist
 
 import high_precision
 from cases import CASES, Case, case
+from fieldrecon._core import chunks as _chunks
 from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._numerics import weighted_least_squares
 from fieldrecon._numerics.neighbor_search import group_rows
@@ -23,7 +24,7 @@ from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.polynomials import EPS, dimension, monomials
-from laws import assert_close, assert_obeyed, refused
+from laws import assert_close, assert_obeyed, dense, refused
 
 EXACT = 1e-10
 MOVING = [c for c in CASES if isinstance(c.method, MovingLeastSquares)]
@@ -388,6 +389,14 @@ def test_only_sites_within_the_radius_have_weights():
     inside = cdist(x, POINTS) < 0.4
     assert (h[~inside] == 0).all()
     assert (h[inside] != 0).all()
+
+
+@pytest.mark.parametrize("weight", [wendland(3, 1, 0.5), gaussian(0.3), inverse_square(0.0)])
+def test_own_weights_are_the_diagonal_of_the_matrix_of_weights(monkeypatch, weight):
+    """Also in chunks of a few sites, and where a site occurs twice: each has its own share."""
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**15)
+    m = MovingLeastSquares(np.vstack([POINTS, POINTS[3]]), weight)
+    assert_close(m.own_weights(), np.diagonal(dense(m.weights(m.points))), EXACT)
 
 
 def test_the_field_is_continuous_where_neighbours_change():

@@ -334,11 +334,19 @@ def test_leave_one_out_residuals_estimate_the_error():
     assert 0.5 * error < own < 5 * error
 
 
-def test_an_indispensable_site_is_named():
-    """Three sites with linear polynomials need each other."""
+def test_an_indispensable_site_is_named(monkeypatch):
+    """Three sites with linear polynomials need each other, and many on a line the one beside it.
+
+    No quotient by zero warns, also where threads share the patches.
+    """
     m = PartitionOfUnityRBF(X[:3], thin_plate_spline(), 1)
     with pytest.raises(np.linalg.LinAlgError, match=r"without point 0, \(0, 0\), the others"):
         leave_one_out(m, wave(X[:3]))
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**12)
+    sites = np.vstack([np.column_stack([np.linspace(0, 1, 90), np.zeros(90)]), [0.5, 0.25]])
+    m = PartitionOfUnityRBF(sites, thin_plate_spline(), 1, 12)
+    with pytest.raises(np.linalg.LinAlgError, match=r"without point 90, \(0.5, 0.25\), the others"):
+        leave_one_out(m, wave(sites))
 
 
 # --- point sets that are not unisolvent -----------------------------------------------------------
