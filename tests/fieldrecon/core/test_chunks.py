@@ -255,7 +255,7 @@ def test_blas_has_one_thread_while_chunks_run():
     assert threads() == before
 
 
-class OneSite(LeastSquares):
+class OwnMethod(LeastSquares):
     """A method of the user, without a faster route or another size of its chunks."""
 
     _value_rows, _gradient_rows = Reconstruction._value_rows, Reconstruction._gradient_rows
@@ -265,7 +265,7 @@ class OneSite(LeastSquares):
 
 METHODS = {
     "LS": lambda p: LeastSquares(p, 3),
-    "own": OneSite,
+    "own": OwnMethod,
     "MLS": lambda p: MovingLeastSquares(p, wendland(3, 1), 2, 20),
     "RBF": lambda p: RBF(p, thin_plate_spline()),
     "compact": lambda p: RBF(p, wendland(3, 2, 0.2)),
@@ -278,7 +278,7 @@ METHODS = {
 @pytest.mark.parametrize("columns", [1, 40])
 @pytest.mark.parametrize("name", METHODS)
 def test_a_chunk_takes_about_its_share_of_memory(monkeypatch, name, columns):
-    """Gradients of as many queries as form a chunk, and their weights at as many: a quarter to four."""
+    """A quarter to four times as much, for gradients and for gradient weights."""
     monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**20)
     p = halton(200, 3)
     m = METHODS[name](p)
@@ -295,6 +295,23 @@ def test_a_chunk_takes_about_its_share_of_memory(monkeypatch, name, columns):
         peak = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         assert 2**18 < peak < 2**22
+
+
+def test_chunks_of_second_derivatives_have_fewer_queries(monkeypatch):
+    """A Hessian in three variables has three times as many numbers as a gradient."""
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**18)
+    m = LeastSquares(halton(50, 3), 2)
+    s, rows = m.field(m.points[:, 0]), m._chunk_rows(1)
+    x = np.broadcast_to(m.points[0], (rows, 3))
+    for evaluate, first in (
+        (s, rows),
+        (s.gradient, rows),
+        (s.hessian, rows // 3),
+        (s.laplacian, rows // 3),
+    ):
+        steps = []
+        evaluate(x, progress=lambda *step, steps=steps: steps.append(step))
+        assert steps[0] == (first, rows)
 
 
 @pytest.mark.slow

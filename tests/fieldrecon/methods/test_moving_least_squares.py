@@ -358,6 +358,28 @@ def test_gaussian_weights_are_accurate(scale, degree):
         assert_close(s.gradient(x) / size, gradient / size, 1e-10)
 
 
+def test_a_redundant_variable_does_not_change_residuals():
+    """Slopes among sites within 1e-4 are so large that they are projections, with a column twice.
+
+    The sum a_i g_i r_i over the sites is the part in the gradient that is due to the weights.
+    """
+    rng = np.random.default_rng(4)
+    x, w = 1e-4 * rng.random((5, 12)), rng.random((5, 12))
+    w /= w.max(axis=1, keepdims=True)
+    data, g = rng.random((5, 12, 2)), rng.random((5, 12, 1))
+    b = np.stack([np.ones_like(x), x], axis=2)
+    c = np.linalg.pinv(w[..., None] * b) * w[:, None]
+    expected = data - b @ (c @ data)
+    a = np.einsum("mi,miv,mi->mv", c[:, 0], expected, g[..., 0])
+    for again in ([0, 1], [0, 1, 1]):
+        b3, share = b[..., again], np.array([1.0, *[1 / (len(again) - 1)] * (len(again) - 1)])
+        c3 = c[:, again] * share[:, None]
+        assert np.abs(c3).max() > 1000
+        assert_close(weighted_least_squares.residuals(c3, b3, w, data), expected, 1e-11)
+        change = weighted_least_squares.weights_of_changing_weights(c3, b3, w, g)
+        assert_close(np.einsum("mid,miv->mv", change, data), a, 1e-11)
+
+
 def test_the_high_precision_gradient_of_a_line_is_its_slope():
     """This checks the reference itself."""
     x = np.linspace(0, 1, 6)[:, None]

@@ -352,6 +352,26 @@ def test_an_indispensable_site_is_named(monkeypatch):
 # --- point sets that are not unisolvent -----------------------------------------------------------
 
 
+@pytest.mark.parametrize(
+    ("width", "k", "degree", "determined"),
+    [
+        (3e-5, 1, 1, 1),
+        (1e-7, 1, 1, 0),
+        (0.1, 3, 2, 2),
+        (1.2e-2, 3, 2, 1),
+        (1.2e-2, 5, 2, 2),
+        (1e-3, 5, 2, 1),
+    ],
+)
+def test_a_strip_determines_what_is_large_enough_across_it(width, k, degree, determined):
+    """From 1e-6 on for y, and for y^2 if the kernel needs it, as r^5 does; else from 1e-4 on.
+
+    On a strip of this width y has the size width / 3, and y^2 modulo linear ones width^2 / 13.
+    """
+    m = PartitionOfUnityRBF(halton(40, 2) * [1.0, width], polyharmonic(k), degree, 40)
+    assert (m.degree, m.reduced) == (determined, int(determined < degree))
+
+
 def test_sites_on_a_tilted_plane_use_the_polynomials_of_the_plane():
     """The field is constant across the plane, and a cubic on the plane is reproduced."""
     rng = np.random.default_rng(2)
