@@ -15,12 +15,17 @@ from threadpoolctl import threadpool_info
 
 from fieldrecon._core import chunks as _chunks
 from fieldrecon._core.chunks import chunked, progress_after, rows_of, split_progress
-from fieldrecon.kernels.conditionally_positive_definite import thin_plate_spline
+from fieldrecon.datasets.synthetic import halton
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import wendland
+from fieldrecon.methods.functionals import values_at
+from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.mean import Mean
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
+from fieldrecon.reconstruction import Reconstruction
 
 X = np.arange(20.0).reshape(10, 2)
 
@@ -248,6 +253,65 @@ def test_blas_has_one_thread_while_chunks_run():
     list(chunked(lambda x: during.extend(threads()) or x, X, 3))
     assert set(during) <= {1}
     assert threads() == before
+
+
+class OwnMethod(LeastSquares):
+    """A method of the user, without a faster route or another size of its chunks."""
+
+    _value_rows, _gradient_rows = Reconstruction._value_rows, Reconstruction._gradient_rows
+    _prepare, _chunk_rows = Reconstruction._prepare, Reconstruction._chunk_rows
+    _weight_chunk_rows = Reconstruction._weight_chunk_rows
+
+
+METHODS = {
+    "LS": lambda p: LeastSquares(p, 3),
+    "own": OwnMethod,
+    "MLS": lambda p: MovingLeastSquares(p, wendland(3, 1), 2, 20),
+    "RBF": lambda p: RBF(p, thin_plate_spline()),
+    "compact": lambda p: RBF(p, wendland(3, 2, 0.2)),
+    "Hermite": lambda p: HermiteRBF(values_at(p), polyharmonic(3)),
+    "PU": lambda p: PartitionOfUnityRBF(p),
+    "mean": lambda p: Mean(p, [LeastSquares, partial(RBF, kernel=thin_plate_spline())]),
+}
+
+
+@pytest.mark.parametrize("columns", [1, 40])
+@pytest.mark.parametrize("name", METHODS)
+def test_a_chunk_takes_about_its_share_of_memory(monkeypatch, name, columns):
+    """A quarter to four times as much, for gradients and for gradient weights."""
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**20)
+    p = halton(200, 3)
+    m = METHODS[name](p)
+    s = m.field(np.cos(p @ np.ones((3, columns))))
+    for evaluate, rows in (
+        (s.gradient, m._chunk_rows(columns)),
+        (m.gradient_weights, m._weight_chunk_rows()),
+    ):
+        assert 8 * 3 * rows < _chunks.CHUNK_BYTES
+        x = halton(rows, 3, seed=1)
+        evaluate(x[:5], executor=_chunks.Inline())
+        tracemalloc.start()
+        evaluate(x, executor=_chunks.Inline())
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert 2**18 < peak < 2**22
+
+
+def test_chunks_of_second_derivatives_have_fewer_queries(monkeypatch):
+    """A Hessian in three variables has three times as many numbers as a gradient."""
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**18)
+    m = LeastSquares(halton(50, 3), 2)
+    s, rows = m.field(m.points[:, 0]), m._chunk_rows(1)
+    x = np.broadcast_to(m.points[0], (rows, 3))
+    for evaluate, first in (
+        (s, rows),
+        (s.gradient, rows),
+        (s.hessian, rows // 3),
+        (s.laplacian, rows // 3),
+    ):
+        steps = []
+        evaluate(x, progress=lambda *step, steps=steps: steps.append(step))
+        assert steps[0] == (first, rows)
 
 
 @pytest.mark.slow

@@ -105,6 +105,7 @@ def test_functions_that_move_with_the_sites_are_refused():
         ((partial(monomials, degree=2), [[0.0], [1], [2]]), "points must have 2 coord", ValueError),
         ((partial(monomials, degree=1), np.eye(3)[:, :2], (0, 0)), "two distinct", ValueError),
         ((partial(monomials, degree=1), np.eye(3)[:, :2], (0, 3)), "two indices of 3", ValueError),
+        ((partial(monomials, degree=1), np.eye(3)[:, :2], (0, -1)), "two indices of 3", ValueError),
         ((partial(monomials, degree=2), np.eye(3)[:, :2]), "must have 3 real values", ValueError),
         (
             (partial(monomials, degree=1), [[0, 0], [1, 1], [2, 2]]),

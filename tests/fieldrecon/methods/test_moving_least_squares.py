@@ -9,6 +9,7 @@ from scipy.spatial.distance import cdist
 
 import high_precision
 from cases import CASES, Case, case
+from fieldrecon._core import chunks as _chunks
 from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._numerics import weighted_least_squares
 from fieldrecon._numerics.neighbor_search import group_rows
@@ -23,7 +24,7 @@ from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.polynomials import EPS, dimension, monomials
-from laws import assert_close, assert_obeyed, refused
+from laws import assert_close, assert_obeyed, dense, refused
 
 EXACT = 1e-10
 MOVING = [c for c in CASES if isinstance(c.method, MovingLeastSquares)]
@@ -357,6 +358,28 @@ def test_gaussian_weights_are_accurate(scale, degree):
         assert_close(s.gradient(x) / size, gradient / size, 1e-10)
 
 
+def test_a_redundant_variable_does_not_change_residuals():
+    """Slopes among sites within 1e-4 are so large that they are projections, with a column twice.
+
+    The sum a_i g_i r_i over the sites is the part in the gradient that is due to the weights.
+    """
+    rng = np.random.default_rng(4)
+    x, w = 1e-4 * rng.random((5, 12)), rng.random((5, 12))
+    w /= w.max(axis=1, keepdims=True)
+    data, g = rng.random((5, 12, 2)), rng.random((5, 12, 1))
+    b = np.stack([np.ones_like(x), x], axis=2)
+    c = np.linalg.pinv(w[..., None] * b) * w[:, None]
+    expected = data - b @ (c @ data)
+    a = np.einsum("mi,miv,mi->mv", c[:, 0], expected, g[..., 0])
+    for again in ([0, 1], [0, 1, 1]):
+        b3, share = b[..., again], np.array([1.0, *[1 / (len(again) - 1)] * (len(again) - 1)])
+        c3 = c[:, again] * share[:, None]
+        assert np.abs(c3).max() > 1000
+        assert_close(weighted_least_squares.residuals(c3, b3, w, data), expected, 1e-11)
+        change = weighted_least_squares.weights_of_changing_weights(c3, b3, w, g)
+        assert_close(np.einsum("mid,miv->mv", change, data), a, 1e-11)
+
+
 def test_the_high_precision_gradient_of_a_line_is_its_slope():
     """This checks the reference itself."""
     x = np.linspace(0, 1, 6)[:, None]
@@ -388,6 +411,14 @@ def test_only_sites_within_the_radius_have_weights():
     inside = cdist(x, POINTS) < 0.4
     assert (h[~inside] == 0).all()
     assert (h[inside] != 0).all()
+
+
+@pytest.mark.parametrize("weight", [wendland(3, 1, 0.5), gaussian(0.3), inverse_square(0.0)])
+def test_own_weights_are_the_diagonal_of_the_matrix_of_weights(monkeypatch, weight):
+    """Also in chunks of a few sites, and where a site occurs twice: each has its own share."""
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**15)
+    m = MovingLeastSquares(np.vstack([POINTS, POINTS[3]]), weight)
+    assert_close(m.own_weights(), np.diagonal(dense(m.weights(m.points))), EXACT)
 
 
 def test_the_field_is_continuous_where_neighbours_change():

@@ -334,14 +334,42 @@ def test_leave_one_out_residuals_estimate_the_error():
     assert 0.5 * error < own < 5 * error
 
 
-def test_an_indispensable_site_is_named():
-    """Three sites with linear polynomials need each other."""
+def test_an_indispensable_site_is_named(monkeypatch):
+    """Three sites with linear polynomials need each other, and many on a line the one beside it.
+
+    No quotient by zero warns, also where threads share the patches.
+    """
     m = PartitionOfUnityRBF(X[:3], thin_plate_spline(), 1)
     with pytest.raises(np.linalg.LinAlgError, match=r"without point 0, \(0, 0\), the others"):
         leave_one_out(m, wave(X[:3]))
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**12)
+    sites = np.vstack([np.column_stack([np.linspace(0, 1, 90), np.zeros(90)]), [0.5, 0.25]])
+    m = PartitionOfUnityRBF(sites, thin_plate_spline(), 1, 12)
+    with pytest.raises(np.linalg.LinAlgError, match=r"without point 90, \(0.5, 0.25\), the others"):
+        leave_one_out(m, wave(sites))
 
 
 # --- point sets that are not unisolvent -----------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("width", "k", "degree", "determined"),
+    [
+        (3e-5, 1, 1, 1),
+        (1e-7, 1, 1, 0),
+        (0.1, 3, 2, 2),
+        (1.2e-2, 3, 2, 1),
+        (1.2e-2, 5, 2, 2),
+        (1e-3, 5, 2, 1),
+    ],
+)
+def test_a_strip_determines_what_is_large_enough_across_it(width, k, degree, determined):
+    """From 1e-6 on for y, and for y^2 if the kernel needs it, as r^5 does; else from 1e-4 on.
+
+    On a strip of this width y has the size width / 3, and y^2 modulo linear ones width^2 / 13.
+    """
+    m = PartitionOfUnityRBF(halton(40, 2) * [1.0, width], polyharmonic(k), degree, 40)
+    assert (m.degree, m.reduced) == (determined, int(determined < degree))
 
 
 def test_sites_on_a_tilted_plane_use_the_polynomials_of_the_plane():

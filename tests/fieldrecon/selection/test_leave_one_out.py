@@ -251,6 +251,13 @@ def test_other_methods_are_refitted_without_each_point():
     assert counts == [(i + 1, 16) for i in range(16)]
 
 
+def test_two_points_predict_each_other_and_one_has_no_others():
+    """With a single point there is nothing to make the method again from."""
+    assert leave_one_out(NearestSites(POINTS[:2]), [5.0, 3.0]).tolist() == [2.0, -2.0]
+    with refused("without point 0, .* determine the field: there are none", np.linalg.LinAlgError):
+        leave_one_out(NearestSites(POINTS[:1]), [5.0])
+
+
 def test_a_method_must_keep_its_arguments_as_attributes():
     """Otherwise it cannot be constructed again from the other points."""
     method = NearestSites(POINTS)
