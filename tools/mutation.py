@@ -1,8 +1,8 @@
 """Mutation testing: mutants of single statements of the library, each run against its tests.
 
 A mutant changes one operator, number, condition or loop of a statement, or deletes the statement.
-Messages, types, decorators, docstrings and what no result depends on are left alone. A mutant is caught if one of the tests
-that reach its statement fails; the mutants that survive are printed.
+Messages, types, decorators, docstrings and what no result depends on are left alone. A mutant is
+caught if one of the tests that reach its statement fails; the mutants that survive are printed.
 
     python tools/mutation.py [--seed 1] [--count 200] [--jobs 2]
 
