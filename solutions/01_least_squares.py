@@ -279,8 +279,8 @@ def plane_and_points(n):
 # Rounding errors turn zero singular values into small ones. Take the singular values of the matrix
 # of the coordinates, without the column of ones, after one of the points, or their mean, has been
 # subtracted from all points (hint 1 asks why). Count a singular value as zero if it is at most
-# $10^{-9}$ times the extent of the points. The extent is the largest difference between two values of one
-# coordinate.
+# $10^{-9}$ times the extent of the points. The extent is the largest difference between two values
+# of one coordinate.
 #
 # <details><summary>Hint 1</summary>
 #

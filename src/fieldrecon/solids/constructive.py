@@ -341,7 +341,8 @@ def transform(
     if r.shape != (3, 3) or not np.allclose(r @ r.T, np.eye(3), atol=1e-9):
         raise ValueError(f"rotation must be an orthogonal matrix (3, 3); got {r.tolist()}")
     to = valid.as_queries(shift, 3, "shift")
-    return _Transformed(*as_solids((solid,)), r, to, valid.as_length(scale, "scale"))
+    (body,) = as_solids((solid,))
+    return _Transformed(body, r, to, valid.as_length(scale, "scale"))
 
 
 class _Blend(Solid):
