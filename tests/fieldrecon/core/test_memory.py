@@ -72,10 +72,12 @@ def test_the_limit_of_this_machine_is_plausible():
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the system has no such file")
 def test_the_peak_is_not_less_than_that_of_the_resident_memory():
-    """It may be greater: it is inherited from the program that started this one."""
+    """It may be greater: it is inherited from the program that started this one. The two are
+    counted in pages, and not at the same time.
+    """
     status = Path("/proc/self/status").read_text(encoding="ascii")
     resident = 1024 * int(re.search(r"VmHWM:\s+(\d+) kB", status)[1])
-    assert resident <= peak_memory() < memory_limit()
+    assert 0.99 * resident <= peak_memory() < memory_limit()
 
 
 def test_memory_is_told_in_gigabytes_if_it_is_known():
