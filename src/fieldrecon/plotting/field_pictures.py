@@ -130,6 +130,7 @@ def _picture(
     label: str,
 ) -> Figure:
     with figure(_WIDTH, _HEIGHT, settings=PLAIN_NUMBERS) as (page, axes):
+        page.set_layout_engine("compressed")  # a map of equal scales may be narrow
         draw = _draw_grid if result.targets.axes else _draw_scattered
         picture = draw(axes, result, values, colors)
         if survey.result.targets.points.shape[1] == 2 and len(survey.samples.points) <= _SAMPLES:

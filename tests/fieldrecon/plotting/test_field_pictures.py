@@ -378,3 +378,27 @@ def test_a_colour_map_has_a_known_name():
     assert color_map("viridis") == "viridis"
     with pytest.raises(ValueError, match="there is no colour map 'vridis'"):
         color_map("vridis")
+
+
+@pytest.mark.parametrize("sides", [(1.0, 2.9), (3.2, 1.0), (1.0, 1.0)])
+def test_a_map_and_its_colours_are_in_the_middle_of_the_page(sides, some_survey):
+    """Also where equal scales leave the page empty on both sides, or above and below."""
+    axes = tuple(side * np.linspace(0, 1, 4) for side in sides)
+    targets = Targets(grid_nodes(axes), axes)
+    values = targets.points[:, 0]
+    result = replace(
+        some_survey.result,
+        targets=targets,
+        values=values,
+        error=values,
+        extrapolated=np.zeros(16, dtype=int),
+    )
+    page = plot(replace(some_survey, result=result))
+    page.draw_without_rendering()
+    boxes = [axes.get_tightbbox() for axes in page.axes]
+    for low, high, size in (
+        (min(box.x0 for box in boxes), max(box.x1 for box in boxes), page.bbox.width),
+        (min(box.y0 for box in boxes), max(box.y1 for box in boxes), page.bbox.height),
+    ):
+        assert abs(low - (size - high)) < 0.05 * size
+        assert 0 <= low < high <= size
