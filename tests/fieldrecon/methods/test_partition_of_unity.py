@@ -640,3 +640,18 @@ def test_many_right_hand_sides_are_grouped_by_system():
         found = batched_solve_grouped(lambda i, b: np.linalg.solve(a[i], b), system, right, 5, 2)
         alone = [np.linalg.solve(a[i], b) for i, b in zip(system, right, strict=True)]
         assert_close(found, np.reshape(alone, (m, 5)), 1e-12)
+
+
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_the_share_of_a_patch_at_its_sites_has_a_bound_that_is_at_most_one(d):
+    """Also where several patches share a site."""
+    m = PartitionOfUnityRBF(uniform(1500, d, seed=1))
+    (share, *_) = _blending.shares(m._levels, m._levels[0].systems[0].points, 0)
+    for systems, _, pairs, member in share.systems():
+        bounds = systems._largest_shares(np.arange(len(systems)))
+        assert bounds.min() >= 0
+        assert bounds.max() == 1
+        sites = systems.sites[member]
+        row, place = np.nonzero(sites == share.query[pairs][:, None])
+        assert (share.weights[0, pairs[row]] <= bounds[member[row], place] + 1e-12).all()
+        assert len(systems) > 1

@@ -155,3 +155,25 @@ def test_quads_are_divided_on_request(textured):
     found = audit(textured, triangulate=True)
     assert found.sound()
     assert (len(found.points), len(found.triangles)) == (8, 12)
+
+
+def cone(edges):
+    """A cone without its base, whose hole has so many edges."""
+    angle = 2 * np.pi * np.arange(edges) / edges
+    rim = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(edges)])
+    ring = np.arange(edges)
+    triangles = np.column_stack([ring, np.roll(ring, -1), np.full(edges, edges)])
+    return np.vstack([rim, [[0, 0, 1.0]]]), triangles
+
+
+def test_a_hole_of_32_edges_is_filled_and_longer_ones_are_counted():
+    """However many there are; smaller ones are filled."""
+    assert audit(cone(32), repair=True, largest_hole=1.0).sound()
+    parts = [cone(edges) for edges in (33, 6, 40, 33)]
+    starts = np.cumsum([0, *(len(points) for points, _ in parts)])
+    mesh = (
+        np.vstack([np.add(points, [4.0 * k, 0, 0]) for k, (points, _) in enumerate(parts)]),
+        np.vstack([t + first for (_, t), first in zip(parts, starts, strict=False)]),
+    )
+    (sentence,) = told(mesh, largest_hole=1.0)
+    assert re.match(r"3 holes of 33, (33, 40|40, 33) edges were not filled", sentence)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.triangles import repair as _mending
 from fieldrecon.triangles.audit import audit_mesh
@@ -593,3 +594,37 @@ def test_a_closed_part_without_volume_is_not_inverted():
             half_edges = HalfEdges(triangles, len(points))
             assert half_edges.closed_parts.all()
             assert not inverted(points, half_edges, np.zeros(24, dtype=bool)).any()
+
+
+def test_a_free_edge_is_split_at_the_vertex_nearest_to_its_middle_first():
+    """One side of a triangle, of whichever number; edges beside which there are no vertices stay.
+
+    The triangles at the vertices on the sides have edges of larger numbers, which are not free.
+    """
+    corners = np.array([[0.0, 0, 0], [8, 0, 0], [0, 8, 0]])
+    on_sides = np.array([[3.0, 0, 0], [4, 0, 0], [0, 5.0, 0]])
+    beside = np.array([[3.0, -9, 0], [5, -9, 0], [-9, 5, 1], [-9, 4, 1]])
+    points = np.vstack([corners, on_sides, beside])
+    fans = [[3, 6, 4], [4, 6, 7], [5, 8, 9]]
+    for turn in range(3):
+        triangles = np.array([np.roll([0, 1, 2], turn).tolist(), *fans])
+        side, vertex = _mending._inside_free_edges(points, triangles, 0.0)
+        assert side // 3 == [0]
+        assert vertex == [4]
+        whole = _mending.split_free_edges(points, triangles, 0.0)
+        split = [t for t in whole.tolist() if {*t} <= {*range(6)}]
+        assert sorted(np.unique(split)) == [0, 1, 2, 3, 4, 5]
+        areas = np.linalg.norm(triangle_normals(*points[np.array(split).T]), axis=1) / 2
+        assert areas.sum() == pytest.approx(32.0)
+
+
+def test_an_edge_of_two_triangles_is_not_split_at_a_vertex_of_a_boundary():
+    """A sheet that stands on it only touches it there, whatever the numbers of its vertices."""
+    foot = np.array([[0.0, 0, 0], [1, 0, 2], [-1, 0, 2]])
+    diamond = np.array([[0.0, -3, 0], [0, 3, 0], [-3, 0, 0], [3, 0, 0]])
+    for points, first, second in (
+        (np.vstack([foot, diamond]), [0, 1, 2], [[3, 6, 5], [4, 5, 6]]),
+        (np.vstack([diamond, foot]), [4, 5, 6], [[0, 3, 2], [1, 2, 3]]),
+    ):
+        triangles = np.array([first, *second])
+        assert np.array_equal(_mending.split_free_edges(points, triangles, 0.0), triangles)
