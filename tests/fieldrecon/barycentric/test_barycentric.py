@@ -14,6 +14,7 @@ from scipy.stats import ortho_group
 
 import laws
 from cases import case
+from fieldrecon._core import chunks as _chunks
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
 from fieldrecon.barycentric.polytope import ROUNDINGS, Polytope, hanging_vertices
 from fieldrecon.barycentric.wachspress import ProductForm, _Products
@@ -624,6 +625,17 @@ def test_there_is_no_gradient_at_a_corner_of_more_than_three_faces():
             derivative(PYRAMID)
     assert np.isfinite(s.gradient(PYRAMID[:4])).all()
     assert s(PYRAMID).tolist() == [0, 1, 2, 3, 4]
+
+
+def test_of_many_queries_the_one_without_derivatives_is_named(monkeypatch):
+    """Whichever part of the queries it is in."""
+    monkeypatch.setattr(_chunks, "CHUNK_BYTES", 2**12)
+    s = BarycentricCoordinates(PYRAMID).field(np.arange(5.0))
+    inside = np.mean(PYRAMID, axis=0)
+    x = np.vstack([np.tile(inside, (300, 1)), PYRAMID[4:], np.tile(inside, (7, 1))])
+    for derivative in (s.gradient, s.hessian):
+        with pytest.raises(ValueError, match=r"no gradient at the corner \(0, 0, 2\)"):
+            derivative(x)
 
 
 def test_triangles_of_qhull_are_merged_to_faces():
