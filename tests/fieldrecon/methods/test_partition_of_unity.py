@@ -655,3 +655,13 @@ def test_the_share_of_a_patch_at_its_sites_has_a_bound_that_is_at_most_one(d):
         row, place = np.nonzero(sites == share.query[pairs][:, None])
         assert (share.weights[0, pairs[row]] <= bounds[member[row], place] + 1e-12).all()
         assert len(systems) > 1
+
+
+@pytest.mark.parametrize("n", [4, 6, 10])
+@pytest.mark.parametrize(("width", "sizes"), [(1e-6, 1), (0.3, 2)])
+def test_narrow_clusters_of_few_sites_have_patches_of_their_own(n, width, sizes):
+    """In one patch their kernels would be rounding; wide clusters share one."""
+    cluster = width * uniform(n, 2, seed=0)
+    m = PartitionOfUnityRBF(np.vstack([cluster, 1 + cluster]))
+    assert {*m.patch_sizes.tolist()} == {sizes * n}
+    assert_close(m.field(m.points[:, 0])(m.points), m.points[:, 0], 1e-9)
