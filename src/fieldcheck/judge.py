@@ -357,7 +357,8 @@ def _units_of_law(
         return _deviation_alone(law, calls, each, right, index) > law.tolerance
 
     broken = [violates(part) for part in range(len(units))]
-    return [u if b or not any(broken) else 0 * u for u, b in zip(units, broken, strict=True)]
+    pairs = zip(units, broken, strict=True)
+    return [u if b or not any(broken) else np.zeros_like(u) for u, b in pairs]
 
 
 def _is_hardly_violated(

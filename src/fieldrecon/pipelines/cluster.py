@@ -90,7 +90,7 @@ def evaluated(field: Field, x: dask.array.Array) -> dask.array.Array:
     if x.ndim != 2 or x.shape[1] != d:
         raise ValueError(f"x must have the shape (m, {d}); got {x.shape}")
     one = field(field.method.points[:1])
-    held = dask.delayed(field)
+    held = dask.delayed(field, pure=True)  # one key, so that a cluster holds the field once
     blocks = [
         dask.array.from_delayed(dask.delayed(_call)(held, part), (rows, *one.shape[1:]), one.dtype)
         for part, rows in zip(x.rechunk({1: -1}).to_delayed()[:, 0], x.chunks[0], strict=True)

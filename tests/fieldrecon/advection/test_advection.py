@@ -461,7 +461,7 @@ def test_the_extreme_masses_determine_the_values(end):
 
 
 def test_the_velocity_between_snapshots_is_linear_in_time():
-    """It is that of each snapshot at its time, and ends at the first and the last, to rounding."""
+    """At each snapshot it is that of the snapshot. Other times are refused, up to rounding."""
     times, rng = [2.0, 3.0, 5.0, 9.0], np.random.default_rng(0)
     values, method = rng.normal(size=(4, 2)), LeastSquares(np.eye(2), degree=0)
     wind = Snapshots(times, [method.field(np.tile(v, (2, 1))) for v in values])

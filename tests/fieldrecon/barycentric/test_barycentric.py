@@ -16,7 +16,7 @@ import laws
 from cases import case
 from fieldrecon._core import chunks as _chunks
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
-from fieldrecon.barycentric.polytope import ROUNDINGS, Polytope, hanging_vertices
+from fieldrecon.barycentric.polytope import ROUNDINGS, Polytope, around, hanging_vertices
 from fieldrecon.barycentric.wachspress import ProductForm, _Products
 from fieldrecon.polynomials import EPS
 from laws import assert_close
@@ -644,3 +644,13 @@ def test_triangles_of_qhull_are_merged_to_faces():
     assert [len(f) for f in hull.faces] == [5] * 12
     hull = Polytope.of(POLYHEDRA["rhombic dodecahedron"] @ ortho_group.rvs(3, random_state=1))
     assert sorted(len(f) for f in hull.corner_faces) == [3] * 8 + [4] * 6
+
+
+@pytest.mark.parametrize("length", [1e-150, 1.0, 1e150])
+def test_vectors_are_ordered_by_their_angle_in_any_unit(length):
+    """Counter-clockwise about the axis, whichever comes first."""
+    angle = np.random.default_rng(0).permutation(9) * 0.6
+    vectors = np.column_stack([np.cos(angle), np.sin(angle), np.sin(3 * angle)])
+    order = around(length * vectors, np.array([0.0, 0.0, 2.0]))
+    turns = np.diff(angle[order], append=angle[order[0]]) % (2 * np.pi)
+    assert turns.sum() == pytest.approx(2 * np.pi)

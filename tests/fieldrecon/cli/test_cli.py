@@ -605,7 +605,7 @@ def test_an_interrupt_has_status_130(capsys, monkeypatch):
 
 
 def test_nothing_more_is_written_to_a_pipe_that_was_closed(monkeypatch, tmp_path):
-    """The status is that of success; what Python writes at its end goes nowhere."""
+    """The exit status is zero, and Python writes nothing to the closed pipe when it ends."""
 
     def closed():
         raise BrokenPipeError

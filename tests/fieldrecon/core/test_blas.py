@@ -120,7 +120,7 @@ def test_worker_processes_use_one_blas_thread():
 
 
 def test_the_number_of_threads_can_be_set_from_any_thread():
-    """It is that of each library, as threadpoolctl reads it."""
+    """For each library, threadpoolctl reads the same number."""
     for library in _LIBRARIES:
         number, set_number = _number(library)
         for wanted in (1, 2, MANY):

@@ -133,3 +133,11 @@ def test_queries_of_another_shape_are_refused():
     s = PartitionOfUnityRBF(X).field(franke(X))
     with pytest.raises(ValueError, match=r"x must have the shape \(m, 2\); got \(4000, 3\)"):
         evaluated(s, dask.array.zeros((4000, 3)))
+
+
+def test_a_field_that_is_evaluated_twice_is_held_once():
+    """The graphs of different queries share a task, which is the field."""
+    field = PartitionOfUnityRBF(halton(50, 2)).field(halton(50, 2)[:, 0])
+    queries = (dask.array.from_array(halton(n, 2), chunks=(5, 2)) for n in (10, 20))
+    one, other = ({*evaluated(field, x).dask} for x in queries)
+    assert len(one & other) == 1

@@ -593,7 +593,7 @@ def test_distances_on_the_globe_are_angles():
 
 @pytest.mark.parametrize(("ratio", "alike"), [(1.19, True), (0.81, True), (1.21, False)])
 def test_distances_are_alike_whose_quantiles_differ_by_a_fifth_of_their_mean(ratio, alike):
-    """The medians and the upper tenths of both are told, and how samples were held out."""
+    """The page has the medians and the ninth deciles of both, and how samples were held out."""
     targets = np.linspace(0, 20, 101)
     found = Validation(None, targets, ratio * targets, 3 * targets, np.zeros(7), np.zeros(7), " m")
     assert found.is_matched_by_leave_one_out == alike

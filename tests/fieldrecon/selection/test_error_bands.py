@@ -190,7 +190,7 @@ def test_where_the_residuals_vanish_the_roughness_is_a_thousandth():
 
 @pytest.mark.parametrize(("n", "bins"), [(30, 1), (100, 2), (399, 9), (1000, 10)])
 def test_bins_by_distance_divide_the_held_out_samples(n, bins):
-    """Bins have equal numbers of samples, up to one; their mean coverage is that of all samples."""
+    """Their numbers of samples differ by at most one. Their mean coverage is the total one."""
     points = fr.datasets.uniform(n, 2, seed=0)
     band = ErrorBand(points, single_folds(n), np.random.default_rng(0).standard_normal(n))
     farthest, covered, counts = map(np.array, zip(*band.coverage_by_distance(), strict=True))
