@@ -38,7 +38,7 @@ class LevelSet(Solid):
     Raises
     ------
     ValueError
-        If all samples are on one side of the level.
+        If the level is not between the least and the greatest value.
 
     Examples
     --------
@@ -53,13 +53,13 @@ class LevelSet(Solid):
 
     def __init__(self, points: np.ndarray, values: np.ndarray, level: float) -> None:
         points, values = valid.as_points(points), valid.as_values(values, len(points))
-        above = values > level
-        if above.all() or not above.any():
+        if not values.min() < level < values.max():
             raise ValueError(
                 f"level must lie between the values, {values.min():.6g} to {values.max():.6g}; got "
                 f"{level:.6g}"
             )
         low, high = points.min(axis=0), points.max(axis=0)
+        above = values > level
         outermost = (abs(points - (low + high) / 2) >= (0.5 - _LAYER) * (high - low)).any(axis=1)
         self.sign = -1.0 if above[outermost].mean() > 0.5 else 1.0
         self.samples = len(points)

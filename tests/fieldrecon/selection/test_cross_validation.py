@@ -677,6 +677,19 @@ def test_models_that_amplify_noise_at_the_queries_are_refused():
     assert only[0].reason == ""
 
 
+def test_targets_as_far_as_the_farthest_held_out_sample_count():
+    """Those farther away do not: no error is promised there. A plane amplifies outside."""
+    lattice = np.stack(np.meshgrid(*[np.arange(8.0)] * 2), axis=-1).reshape(-1, 2)
+    values = lattice[:, 0] ** 2
+    for beyond, counts in ((1.0, True), (1.5, False)):
+        outside = np.column_stack([np.full(8, -beyond), np.arange(8.0)])
+        validator = CrossValidator.of(lattice, values, outside)
+        validator.__dict__["distances"] = np.ones(len(lattice))
+        ratio = validator.amplification(MODELS["ls1"].makers(lattice)[0][-1])
+        assert (ratio > 1.2) == counts
+        assert (ratio == 1.0) != counts
+
+
 @pytest.mark.parametrize(
     ("ratio", "reason"),
     [(9.0, "amplify noise 9 times as much"), (np.inf, "it has no field at some of the targets")],

@@ -66,15 +66,17 @@ def test_the_level_of_a_linear_scalar_is_crossed_in_its_plane():
 
 
 def test_samples_that_have_the_level_itself_lie_on_the_surface():
-    """They are not above it; so the greatest value is no level."""
+    """So neither the least nor the greatest value is a level: one side would be empty."""
     lattice = np.stack(np.meshgrid(*[np.arange(5.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     x = lattice[:, 0]
     for level in (2.0, 3.0):
         body = LevelSet(lattice, x, level)
         np.testing.assert_allclose(body.points[:, 0], level, atol=1e-12)
         assert len(body.points) > 10
-    with pytest.raises(ValueError, match="level must lie between the values, 0 to 4; got 4"):
-        LevelSet(lattice, x, 4.0)
+    for level in (0.0, 4.0):
+        words = f"level must lie between the values, 0 to 4; got {level:g}"
+        with pytest.raises(ValueError, match=words):
+            LevelSet(lattice, x, level)
 
 
 @pytest.mark.slow

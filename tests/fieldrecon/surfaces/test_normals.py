@@ -8,7 +8,7 @@ from scipy.sparse import csgraph
 
 from fieldrecon.surfaces import normal_orientation
 from fieldrecon.surfaces.normal_orientation import _vote, orient_normals
-from fieldrecon.surfaces.normals import estimate_normals, nearest
+from fieldrecon.surfaces.normals import estimate_normals, nearest, reach
 from laws import assert_close
 
 
@@ -222,6 +222,45 @@ def test_each_connected_component_is_oriented_outward():
     (a, a_true), (b, b_true) = sphere(1500), torus(2500)
     x, true = np.vstack([a, 3 * b + [9.0, 0, 0]]), np.vstack([a_true, b_true])
     assert correctly_oriented(x, true) == 1.0
+
+
+def arc(ratio):
+    """A thick arc whose inner side has `ratio` times the spacing of the outer one, with normals."""
+    sides = []
+    for radius, side, step in ((1.0, 1.0, 1.0), (0.85, -1.0, ratio)):
+        angle = np.linspace(0, 5, int(300 * radius / step))
+        x = np.column_stack([np.cos(angle), np.sin(angle)])
+        sides.append((radius * x, side * x))
+    for angle, side in ((0.0, -1.0), (5.0, 1.0)):
+        x, forward = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        across = np.arange(0.86, 1.0, 0.01)
+        sides.append((across[:, None] * x, np.tile(side * forward, (len(across), 1))))
+    points, normals = zip(*sides, strict=True)
+    return np.vstack(points), np.vstack(normals)
+
+
+def test_the_side_of_a_body_does_not_depend_on_the_density_of_its_points(monkeypatch):
+    """Counted without lengths, a dense inner side decides; with their squares, a sparse one."""
+    dense, sparse = arc(0.3), arc(2.5)
+    for x, true in (dense, sparse):
+        assert (np.sum(orient_normals(x, shuffled_signs(true)) * true, axis=1) > 0).all()
+    for power, (x, true) in ((0, dense), (2, sparse)):
+        with monkeypatch.context() as patch:
+            patch.setattr(normal_orientation, "reach", lambda p, i, m=power: reach(p, i) ** m)
+            oriented = orient_normals(x, shuffled_signs(true))
+        assert (np.sum(oriented * true, axis=1) < 0).all()
+
+
+def test_by_default_a_point_is_joined_to_the_nearest_nine_or_five():
+    """With normals at random every edge counts."""
+    rng = np.random.default_rng(4)
+    for d, default in ((3, 9), (2, 5)):
+        x, normals = rng.standard_normal((2, 400, d))
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        found = orient_normals(x, normals)
+        assert (found == orient_normals(x, normals, default)).all()
+        for other in (default - 1, default + 1):
+            assert not (found == orient_normals(x, normals, other)).all()
 
 
 def test_repeated_points_do_not_affect_the_orientation():

@@ -111,6 +111,14 @@ def test_the_nearest_site_classifies_points_for_dense_samples():
     assert len(classified_points(*wedge, [[-0.06, 0.01, 0]]).values) == 0  # ambiguous
 
 
+def test_one_point_with_its_normal_classifies_a_half_space():
+    """No point has no sides."""
+    one = [[0.0, 0, 0]], [[0.0, 0, 2]]
+    assert classified_points(*one, [[0, 0, 3.0], [0, 0, -1]]).values.tolist() == [-3, 1]
+    with pytest.raises(ValueError, match="at least one point"):
+        classified_points(np.zeros((0, 3)), np.zeros((0, 3)), [[0, 0, 1.0]])
+
+
 def test_the_spacing_is_the_square_root_of_the_area_per_point():
     """The points are a square lattice and random points on a sphere."""
     lattice = np.stack(np.meshgrid(np.arange(40.0), np.arange(40.0), [0.0]), -1).reshape(-1, 3)
