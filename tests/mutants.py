@@ -23,10 +23,11 @@ from fieldrecon.fields import Field
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
 from fieldrecon.kernels.weights import inverse_square
-from fieldrecon.methods import moving_least_squares
+from fieldrecon.methods import local_fits
 from fieldrecon.methods.least_squares import LeastSquares
+from fieldrecon.methods.local_fits import LocalFit
 from fieldrecon.methods.metric import MetricFrame
-from fieldrecon.methods.moving_least_squares import LocalFit, MovingLeastSquares
+from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.partition_of_unity import blending as _blending
 from fieldrecon.methods.partition_of_unity import method as partition_of_unity
 from fieldrecon.methods.partition_of_unity import patches as _patches
@@ -697,11 +698,11 @@ class WeightsOfAnySize(MovingLeastSquares):
     """Gives values whose weights are so large that rounding leaves no digit of them."""
 
     def _weight_rows(self, x):
-        with mock.patch.object(moving_least_squares, "LARGEST_SUM", np.inf):
+        with mock.patch.object(local_fits, "LARGEST_SUM", np.inf):
             return super()._weight_rows(x)
 
     def _value_rows(self, x, prepared):
-        with mock.patch.object(moving_least_squares, "LARGEST_SUM", np.inf):
+        with mock.patch.object(local_fits, "LARGEST_SUM", np.inf):
             return super()._value_rows(x, prepared)
 
 
@@ -792,7 +793,7 @@ class BendOfTheWeightsForgotten(MovingLeastSquares):
     """Takes the logarithm of the weight as linear in the squared distance."""
 
     def _hessian_rows(self, x, prepared):
-        with mock.patch.object(moving_least_squares, "log_square_bend", lambda *args: 0 * args[1]):
+        with mock.patch.object(local_fits, "log_square_bend", lambda *args: 0 * args[1]):
             return super()._hessian_rows(x, prepared)
 
 
