@@ -618,6 +618,22 @@ def test_nothing_more_is_written_to_a_pipe_that_was_closed(monkeypatch, tmp_path
     assert (tmp_path / "out").read_text() == ""
 
 
+def test_a_page_without_pictures_says_which_packages_draw_them(
+    capsys, monkeypatch, tmp_path, survey
+):
+    """Once, on standard error, beside the files that are written."""
+    monkeypatch.setattr(extras, "find_spec", lambda _: None)
+    out = tmp_path / "field.csv"
+    assert (
+        main(["reconstruct", str(survey), "--method", "tps", "--grid", "4x3", "--out", str(out)])
+        == 0
+    )
+    shown = capsys.readouterr()
+    assert shown.err.count("fieldrecon: no picture was drawn: matplotlib and typst") == 1
+    assert shown.out.split()[-2:] == [str(out), str(out.with_suffix(".html"))]
+    assert "<img" not in out.with_suffix(".html").read_text()
+
+
 def test_what_is_not_installed_is_named_before_the_work(capsys, monkeypatch):
     """A command, the packages that it needs, or those for pictures, which it does without."""
     monkeypatch.setattr(extras, "find_spec", lambda _: None)

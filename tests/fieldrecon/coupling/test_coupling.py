@@ -13,7 +13,13 @@ import transfer_laws
 from fieldrecon import reconstruction
 from fieldrecon.coupling.flat_structures import FlatCoupling, couple
 from fieldrecon.coupling.rigid_body_motions import net_force_and_moment, rigid_motions
-from fieldrecon.coupling.transfer import Coupling, Transfer, applied, warn_of_large_weights
+from fieldrecon.coupling.transfer import (
+    Coupling,
+    Transfer,
+    applied,
+    diagonal_of_areas,
+    warn_of_large_weights,
+)
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.kernels.conditionally_positive_definite import polyharmonic, thin_plate_spline
 from fieldrecon.kernels.positive_definite import gaussian, wendland
@@ -579,3 +585,5 @@ def test_densities_of_nodes_without_area_are_refused():
     t = Coupling(PartitionOfUnityRBF(x, degree=1, kernel=thin_plate_spline()), nodes(2) * 0.9)
     with pytest.raises(np.linalg.LinAlgError, match=r"structural node \d+ gets the area"):
         t.densities(np.ones((40, 2)), np.ones(40))
+    with pytest.raises(np.linalg.LinAlgError, match="structural node 1 gets the area 0 of"):
+        diagonal_of_areas(np.array([2.0, 0.0, 1.0]))

@@ -35,6 +35,8 @@ Beyond, in the gap about a cluster, a coarser level takes over: a patch would ex
 """
 THINNED = 10
 """Maximum number of neighbouring sites that one site represents on the next, coarser level."""
+THINNED_AT_LEAST = 3
+"""Sites of a level for each site of the next one, at least: so few levels are enough."""
 MAX_GROWTH = 4
 """Maximum factor by which a patch that does not determine its polynomials gets more sites."""
 APART = 1e3
@@ -52,8 +54,6 @@ BARELY_MORE = 1e-4
 """The same for polynomials of higher degrees: beside tracks they must not follow the noise."""
 BASES = 64
 """Number of patches whose bases are computed at once."""
-FEW = 3
-"""Minimum of this number."""
 
 
 class Pairs(NamedTuple):
@@ -254,7 +254,7 @@ def _thinned(points: np.ndarray, rows: np.ndarray) -> np.ndarray:
     center, _ = _middles(points, rows)
     squared = ((points[rows] - center[:, None, :]) ** 2).sum(axis=2)
     nearest = np.argmin(np.where(rows >= 0, squared, np.inf), axis=1)
-    every = -(-FEW * len(rows) // len(points))
+    every = -(-THINNED_AT_LEAST * len(rows) // len(points))
     chosen = np.sort(rows[np.arange(len(rows)), nearest])[::every]
     return np.union1d(chosen, _outliers(points, chosen))
 
