@@ -60,6 +60,18 @@ def test_ply_is_read_in_ascii_and_both_byte_orders(tmp_path, kind, mixed):
     assert np.asarray(read_elements(path)["face"]["flags"]).tolist() == [7] * len(faces)
 
 
+def test_other_numbers_of_the_vertices_of_a_ply_file_are_data(tmp_path):
+    """Not the coordinates, and not lists of different lengths."""
+    head = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float quality\n"
+    head += "".join(f"property float {name}\n" for name in "xyz")
+    head += "property list uchar int near\nend_header\n"
+    path = tmp_path / "quality.ply"
+    path.write_text(head + "0.5 1 2 3 1 1\n0.25 4 5 6 2 0 0\n")
+    content = read_ply(path)
+    assert content.points.tolist() == [[1, 2, 3], [4, 5, 6]]
+    assert {k: v.tolist() for k, v in content.point_data.items()} == {"quality": [0.5, 0.25]}
+
+
 @pytest.mark.parametrize("kind", ["ascii", *ORDERS])
 def test_triangle_strips_are_consistently_oriented(tmp_path, kind):
     """Every second triangle of a strip is reversed.

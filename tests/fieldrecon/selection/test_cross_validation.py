@@ -356,6 +356,7 @@ def test_errors_are_level_up_to_one_standard_error_of_their_difference():
     for part, level in ((-0.9, True), (0.9, True), (1.1, False)):
         other = score_of("linear", np.sqrt(10 + differences - 1 + 0.1 * part))
         assert other.is_level_with(best) is level
+    assert best.is_level_with(best)
 
 
 def test_a_sample_that_is_held_out_in_several_folds_does_not_reduce_the_standard_error():

@@ -695,6 +695,20 @@ def test_tiny_components_are_removed(monkeypatch):
     assert parts == {(0, 2): 2, (0, 4): 2, (3, 2): 1, (3, 4): 2}
 
 
+@pytest.mark.parametrize(
+    ("extents", "kept"), [([3, 2, 9], [3, 9]), ([2, 1, 2], [2, 2]), ([1], [1]), ([4, 3], [4, 3])]
+)
+def test_parts_of_three_cells_and_those_of_the_largest_extent_are_kept(extents, kept):
+    """Each part is one triangle along an axis."""
+    lower = np.concatenate([[[0, 0, 0], [k, 0, 0], [0, 0, 0]] for k in extents])
+    ends = lower, np.arange(len(lower)) % 3
+    triangles = np.arange(len(lower)).reshape(-1, 3)
+    (left, axis), found = surface_extraction._without_specks(ends, triangles)
+    assert left[1::3, 0].tolist() == kept
+    assert axis.tolist() == [0, 1, 2] * len(kept)
+    assert found.tolist() == triangles[: len(kept)].tolist()
+
+
 def test_meshes_far_from_the_origin_are_clean():
     """At 1e8 cells from the origin rounding moves vertices by about 2e-8 cells."""
     mesh = extract_surface(transform(TORUS, ROTATION, [1e7, -1e7, 1e7]), 0.1)
