@@ -50,6 +50,8 @@ REQUIRED = 0.92
 OF_THE_LIBRARY = ("tests/fieldrecon", "tests/test_laws.py", "tests/test_units.py")
 LONGEST = 90.0
 """Seconds that the tests of one mutant may take together; the slowest are left out."""
+PATIENCE = ("-o", "faulthandler_timeout=100", "-o", "faulthandler_exit_on_timeout=true")
+"""A test of longer than these seconds does not end; without a mutant none takes a tenth of them."""
 LEFT_BEHIND = (".git", ".venv*", "build", "dist", "__pycache__", ".*_cache", ".hypothesis")
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "VECLIB_MAXIMUM_THREADS": "1"}
 
@@ -356,7 +358,7 @@ def outcome(mutant: Mutant, folder: Path, known: Reach) -> str:
     file.write_text(mutant.code(source))
     try:
         status = run_tests(
-            folder, ("-x", "-n0", "--no-cov", f"@{listed}"), timeout=120 + 10 * seconds
+            folder, ("-x", "-n0", "--no-cov", *PATIENCE, f"@{listed}"), timeout=120 + 10 * seconds
         ).returncode
     except subprocess.TimeoutExpired:
         return "caught"  # it does not end

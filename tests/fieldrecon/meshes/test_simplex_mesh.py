@@ -937,6 +937,14 @@ def test_a_cell_is_flat_if_a_step_of_its_corners_inverts_it(long):
         assert signed_volumes(cell[None, :3, :2], rounding)[2][0] == flat
 
 
+@pytest.mark.parametrize(("step", "flat"), [(0.40, False), (0.45, True)])
+def test_in_space_a_step_of_two_corners_of_a_needle_counts(step, flat):
+    """One edge has the length 1, two have w; their changes by s add up to 2 s w + s^2, up to w."""
+    w = 1e-4
+    needle = np.array([[[0, 0, 0], [1, 0, 0], [1, w, 0], [1, 0, w]]])
+    assert signed_volumes(needle, step * w / 8)[2].tolist() == [flat]
+
+
 def clouds_that_qhull_folds():
     """Points on a thin ring, a perturbed lattice, and pairs of points."""
     rng = np.random.default_rng(54)

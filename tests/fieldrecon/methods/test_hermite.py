@@ -448,6 +448,10 @@ def test_the_torsion_of_a_square_equals_its_series():
             ),
             "those at one point are not: 0, 24, 25",
         ),
+        (
+            lambda: HermiteRBF([values_at(SITES[:1])] * 7, polyharmonic(3)),
+            "not: 0, 1, 2, 3, 4$",
+        ),
         (lambda: HermiteRBF(SITES, polyharmonic(3)), "functionals must be those of values_at"),
         (lambda: HermiteRBF([], polyharmonic(3)), "functionals must be those of values_at"),
         (lambda: together([values_at(SITES), values_at([[0.0]])]), "of as many variables"),

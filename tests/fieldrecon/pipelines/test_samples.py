@@ -183,6 +183,14 @@ def test_latitudes_beyond_the_poles_are_bad_rows(table):
         read_samples(metres, lonlat=True)
 
 
+def test_points_on_the_globe_are_distinguished_to_a_tenth_of_a_millimetre(table):
+    """That is a billionth of a degree; what rounding makes of 360 - 349.9 is less."""
+    path = table("lon,lat,t\n10.1,0,1\n10.100000001,0,2\n-349.9,0,3\n")
+    samples = read_samples(path, lonlat=True)
+    assert samples.points.tolist() == [[10.1, 0], [10.100000001, 0]]
+    assert samples.values.tolist() == [2, 2]
+
+
 def test_degrees_reach_to_the_poles_and_once_around_the_earth(table):
     """Longitudes of both conventions are read: to 180 degrees, and to 360."""
     rows = ["360,90", "-360,-90", "360.5,0", "-360.5,0", "0,90.5", "0,-90.5", "1,2", "3,4"]

@@ -506,6 +506,13 @@ def test_velocity_weights_reproduce_affine_fields(mesh):
             assert_close(w @ moment, x[:, None] * np.eye(d)[k], EXACT)
 
 
+def test_the_columns_of_each_row_of_the_weights_increase(mesh):
+    for w in velocity_weights(mesh):
+        begins = np.zeros(w.nnz, dtype=bool)
+        begins[w.indptr[:-1][np.diff(w.indptr) > 0]] = True
+        assert (begins[1:] | (np.diff(w.indices) > 0)).all()
+
+
 def test_errors_of_the_data_are_amplified_at_most_tenfold(mesh):
     """The rows of the weights have a norm of at most ten, which is the criterion for the rings."""
     for w in velocity_weights(mesh):
