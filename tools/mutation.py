@@ -50,8 +50,8 @@ REQUIRED = 0.92
 OF_THE_LIBRARY = ("tests/fieldrecon", "tests/test_laws.py", "tests/test_units.py")
 LONGEST = 90.0
 """Seconds that the tests of one mutant may take together; the slowest are left out."""
-PATIENCE = ("-o", "faulthandler_timeout=100", "-o", "faulthandler_exit_on_timeout=true")
-"""A test of longer than these seconds does not end; without a mutant none takes a tenth of them."""
+PATIENCE = ("-o", "faulthandler_timeout=200", "-o", "faulthandler_exit_on_timeout=true")
+"""A test that takes more seconds does not end; without a mutant none takes a fifth of them."""
 LEFT_BEHIND = (".git", ".venv*", "build", "dist", "__pycache__", ".*_cache", ".hypothesis")
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "VECLIB_MAXIMUM_THREADS": "1"}
 
