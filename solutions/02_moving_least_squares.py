@@ -245,9 +245,9 @@ print("H c for c = (0, 5/2):", three_h @ np.array([0.0, 2.5]))
 # ### 02.2 The coefficients
 #
 # Write a function that solves (2.5) for given weights, all of them positive. In all questions of
-# this notebook the points determine the coefficients. Small weights, down to $10^{-5}$ of the
-# largest, count, too: where all points of large weight are near one line, the others determine the
-# slope across this line.
+# this notebook the points determine the coefficients, and here they are near the origin, in any
+# unit of length. Small weights, down to $10^{-5}$ of the largest, count, too: where all points of
+# large weight are near one line, the others determine the slope across this line.
 #
 # <details><summary>Hint</summary>
 #
@@ -357,7 +357,7 @@ def line_at_a_point(x, epsilon):
 # ### 02.4 The field at many evaluation points
 #
 # Write a function that evaluates (2.6) at $M$ evaluation points. The points of the data are near
-# the origin. A loop over the evaluation points is fine.
+# the origin, in any unit of length. A loop over the evaluation points is fine.
 
 
 # %% question="02.4" minutes=20
@@ -902,7 +902,8 @@ def least_objective(noise):
 # ### 02.9 The leave-one-out errors
 #
 # Write a function that returns all $e_i$. They must be accurate also if $\varepsilon$ is much
-# smaller than the spacing of the points.
+# smaller than the spacing of the points. A point may be measured twice: then each measurement is
+# left out by itself, and the other one counts.
 #
 # <details><summary>Hint</summary>
 #

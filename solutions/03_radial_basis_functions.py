@@ -483,9 +483,9 @@ def far_away(reach):
 #
 # A computed eigenvalue is rarely exactly zero. Count it as zero if its absolute value is less than
 # $10^{-12}$ times the largest absolute value: rounding errors are relative to the largest
-# eigenvalue. (In another unit of length the same points may have other eigenvalues that count as
-# zero. You may move the points to the origin first: this changes neither the signs nor, in the
-# check, which eigenvalues count as zero.)
+# eigenvalue. (You may move the points to the origin first: this changes neither the signs nor, in
+# the check, which eigenvalues count as zero. But do not scale them: in another unit of length the
+# same points may have other eigenvalues that count as zero.)
 #
 # <details><summary>Hint</summary>
 #

@@ -231,7 +231,8 @@ check("04.1")
 #
 # Rounding turns zero singular values into small ones. Scale the points, with the same factor
 # for all coordinates, such that their extent is about one, and count singular values of
-# $\mathbf{B}'$ below $10^{-9}$ as zero.
+# $\mathbf{B}'$ below $10^{-9}$ as zero. The extent is the largest difference between two values of
+# one coordinate.
 # The number of samples is arbitrary. The points may be on a line, and several samples may share a
 # point, but not all points are equal.
 #
@@ -300,7 +301,7 @@ def four_ranks():
 # For samples with $\operatorname{rank}\mathbf{B}' = 5$ return the coefficients $\mathbf{c}$ of such
 # a flow. Its size and its sign are arbitrary, but it must not be zero. Each entry of
 # $\mathbf{B}'\mathbf{c}$ must be zero up to rounding: at most $10^{-9}$ times the largest
-# coefficient.
+# coefficient. The points are at most a thousand times as far from the origin as from each other.
 #
 # <details><summary>Hint</summary>
 #

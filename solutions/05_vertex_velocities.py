@@ -547,7 +547,7 @@ check("05.7")
 # ### 05.8 The velocity at a vertex
 #
 # Write a function that returns $\mathbf{u}(\mathbf{x}_i)$ for given weights. The mesh may have any
-# size.
+# size from $10^{-8}$ to $10^8$.
 #
 # <details><summary>Hint</summary>
 #

@@ -190,7 +190,8 @@ print(spacing(example))
 # ### 11.1 Normals and planarity
 #
 # Return the normals and the planarity of all points. The points are such that all eigenvalues but
-# the smallest are positive. The cloud may be far from the origin.
+# the smallest are positive. The cloud may be far from the origin, and the unit of length may be
+# any.
 #
 # <details><summary>Hint</summary>
 #

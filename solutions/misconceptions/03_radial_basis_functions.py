@@ -489,8 +489,9 @@ def tolerance_of_rounding_errors(points):
 
 @answers("03.5")
 def relative_to_the_largest_eigenvalue(points):
-    """The limit is too small: 10⁻¹² times another size than the largest absolute value, such as
-    the largest eigenvalue. The largest absolute value may belong to a negative eigenvalue.
+    """Too few eigenvalues count as zero. Were the points scaled first, so that these are the
+    eigenvalues of another matrix? Or is the limit 10⁻¹² times the largest eigenvalue? The largest
+    absolute value may belong to a negative one.
     """
     e = np.linalg.eigvalsh(bordered(w(offsets(points, points)), basis(points)))
     return by_size(points, 1e-12 * e.max())

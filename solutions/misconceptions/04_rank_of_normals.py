@@ -285,7 +285,7 @@ def solved_for_zero(points, normals):
 @answers("04.3")
 def reduced_decomposition(points, normals):
     """Five samples have only five singular values, none of them zero. The null vector is a sixth
-    row, which the reduced decomposition omits.
+    row: the reduced decomposition omits it, and the smallest singular value belongs to another row.
     """
     return np.linalg.svd(rows(points, normals), full_matrices=False)[2][-1]
 
@@ -537,7 +537,7 @@ def compared_by_one_component(points, normals):
 
 @answers("04.5")
 def only_along_the_axes(points, normals):
-    """Bad directions are found only at a few fixed angles, such as along the axes. If all samples
+    """Bad directions are found only at fixed angles, such as along the axes. If all samples
     are rotated, the answer must stay the same. Which directions are tested, and is n · m compared
     with zero up to rounding?
     """

@@ -230,8 +230,8 @@ def _array_form(
             "modified",
             (
                 f"{question.function} changes its argument number {which}, which belongs to the "
-                "caller. Operators such as +=, methods such as sort, and x.shape = … work in "
-                "place: take a copy first."
+                "caller. Statements such as a[i] = …, a += …, a.sort() and a.shape = … work in "
+                "place, also after a = np.asarray(b): take a copy first."
             ),
         )
 

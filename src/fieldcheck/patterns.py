@@ -53,6 +53,9 @@ FAR_OFF = 100.0
 HERE = "Among the inputs of this check, your values are"
 """What holds for these inputs need not hold for all others."""
 
+OTHERS_RIGHT = "Your values are right for all other inputs of this check."
+"""What is special in the only wrong one need not be the reason, so it is not named again."""
+
 SPACES = {1: "on a line", 2: "in the plane", 3: "in space"}
 """Where points with so many coordinates are; wider tables contain something else."""
 
@@ -63,7 +66,8 @@ class Case:
 
     `rows` and `dimension` are the numbers of rows and columns of the first table among the
     arguments, whose rows are points in most questions; `whole` contains the positions of the arrays
-    of integers. `moved` states whether the normal form is relative to the first corner.
+    of integers. `moved` states whether the normal form is relative to the first corner, and
+    `single` whether the returned numbers are those of float32.
     """
 
     name: str
@@ -74,6 +78,7 @@ class Case:
     right: Values
     tolerance: float
     moved: bool
+    single: bool
 
     @property
     def pairs(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
@@ -143,6 +148,7 @@ def pattern(
             question.normal_form(call, r),
             max(question.tolerance(call), LEAST_TOLERANCE),
             any(z.any() for z in question.normal_form(call, tuple(map(np.zeros_like, r)))),
+            _are_single(v),
         )
         for call, v, r in zip(calls, values, right, strict=True)
     ]
@@ -177,6 +183,12 @@ def _from_the_corner(kind: Kind) -> Kind:
     return found
 
 
+def _are_single(values: Values) -> bool:
+    """Whether all numbers are those of float32."""
+    with np.errstate(over="ignore"):
+        return all((v.astype(np.float32) == v).all() for v in values)
+
+
 def are_truth_values(answers: Sequence[Values]) -> bool:
     """Whether all values of all answers are 0 or 1, so that none is too large by an amount."""
     return all(np.isin(value, (0, 1)).all() for values in answers for value in values)
@@ -196,7 +208,7 @@ def _where(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
     """
     right = [case for case in cases if case not in wrong]
     if len(wrong) == 1 < len(cases):
-        return f"{HERE} wrong only for {wrong[0].name}."
+        return OTHERS_RIGHT
     if not all(case.is_exact for case in right):
         return ""
     if len(right) == 1:
@@ -275,16 +287,18 @@ def _integers(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
         return ""
     only = "Your values are wrong only where an argument is an array of integers."
     if not all((np.abs(v - r) <= LOST * scale(r)).all() for case in wrong for v, r in case.pairs):
-        only += " Do you store decimals in an array of integers, such as `np.zeros_like` makes?"
+        only += (
+            " Do you divide with `//`, or store decimals in an array of integers, such as "
+            "`np.zeros_like` makes?"
+        )
     return only
 
 
 def _single_precision(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
     """Recognize right values that are rounded to float32, which makes most cases wrong."""
     close = 2 * len(wrong) > len(cases) and all(
-        (np.abs(v - r) <= 1e-4 * scale(r)).all() and (v.astype(np.float32) == v).all()
+        case.single and all((np.abs(v - r) <= 1e-4 * scale(r)).all() for v, r in case.pairs)
         for case in wrong
-        for v, r in case.pairs
     )
     if not close:
         return ""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fieldcheck.calls import Call
-from fieldcheck.patterns import HERE, pattern
+from fieldcheck.patterns import HERE, OTHERS_RIGHT, pattern
 from fieldcheck.question import Question
 from fieldcheck.simplices import relative_to_a_corner
 
@@ -136,7 +136,7 @@ def test_nothing_is_said_on_which_cases_are_right_if_some_are_missing():
     right = [call.arguments for call in CALLS]
     values = [(r if k else -r,) for k, (r,) in enumerate(right)]
     opposite = "The wrong values are the right ones with the opposite sign."
-    told = f"{HERE} wrong only for a small table. {opposite}"
+    told = f"{OTHERS_RIGHT} {opposite}"
     assert pattern(TABLE, CALLS, values, right) == told
     assert pattern(TABLE, CALLS, values, right, are_all=False) == opposite
 
@@ -231,7 +231,7 @@ def test_a_size_is_told_only_for_want_of_a_better_pattern(change, beginning):
         (lambda a: np.diag(np.diag(a)), "Only the values on the diagonal are right."),
         (
             lambda a: 2 * a if len(a) == 5 else a,
-            f"{HERE} wrong only for a large table. The wrong values are the right ones times 2.",
+            f"{OTHERS_RIGHT} The wrong values are the right ones times 2.",
         ),
         (lambda a: a**2, ""),
     ],
@@ -332,7 +332,7 @@ def test_rounding_errors_are_no_factor():
     rough = 3.14 / np.pi
     assert "times (1 -5.1e-04)" in three_tables(rough, rough, rough)
     assert three_tables(1 + 1e-8, 1 - 2e-8, 1 + 3e-8) == ""
-    assert three_tables(1 + 1e-8, 1, 1) == f"{HERE} wrong only for a first table."
+    assert three_tables(1 + 1e-8, 1, 1) == OTHERS_RIGHT
 
 
 def test_single_precision_makes_most_cases_wrong():

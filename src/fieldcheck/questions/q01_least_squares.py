@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Question, law, law_of_each, relative, scale
+from fieldcheck.question import Question, law_of_each, relative, scale
 from fieldcheck.variants import one_changed
 
 EPS = float(np.finfo(float).eps)
@@ -72,18 +71,15 @@ def in_units_of_the_points(call: Call, values: Values) -> Values:
     return (b / unit,)
 
 
-@law(
+@law_of_each(
     "B times the coefficients must be the values of the field at the points. So the difference "
     "between two rows must be a zero followed by the difference between their points."
 )
-def spans_affine_fields(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def spans_affine_fields(call: Call, values: Values) -> float:
     """Return the largest difference between B-differences and coordinate differences of points."""
-    return max(
-        relative(np.diff(b, axis=0) @ np.r_[1.0, np.ones(d)] - np.diff(p.sum(axis=1)), p)
-        for (p,), (b,), d in (
-            (c.arguments, v, c.arguments[0].shape[1]) for c, v in zip(calls, values, strict=True)
-        )
-    )
+    (p,), (b,) = call.arguments, values
+    sums = np.diff(b, axis=0) @ np.r_[1.0, np.ones(p.shape[1])]
+    return relative(sums - np.diff(p.sum(axis=1)), p)
 
 
 # 01.2 and 01.6 The fit, and the minimized objective
@@ -279,15 +275,13 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
     )
 
 
-@law("The difference of two values must be the product of the slopes and the difference of points.")
-def moves_by_the_gradient(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each(
+    "The difference of two values must be the product of the slopes and the difference of points."
+)
+def moves_by_the_gradient(call: Call, values: Values) -> float:
     """Return the largest error of differences of values, which do not contain the constant."""
-    return max(
-        relative(
-            np.diff(v) - [(b - a) @ c.arguments[0][1:] for a, b in pairwise(c.arguments[1])], v
-        )
-        for c, (v,) in zip(calls, values, strict=True)
-    )
+    (c, x), (v,) = call.arguments, values
+    return relative(np.diff(v) - [(b - a) @ c[1:] for a, b in pairwise(x)], v)
 
 
 # 01.4 The rank
@@ -414,20 +408,21 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
     return near[:6] + on[:3] + near[6:] + on[3:]
 
 
-@law("The rank must be a whole number, at least 2 and at most the number of rows or of columns.")
-def is_a_possible_rank(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each(
+    "The rank must be a whole number, at least 2 and at most the number of rows or of columns."
+)
+def is_a_possible_rank(call: Call, values: Values) -> float:
     """Return how far a rank is from an integer, or above the numbers of rows and columns."""
-    ranks = (
-        (float(r), min(c.arguments[0].shape[0], c.arguments[0].shape[1] + 1))
-        for c, (r,) in zip(calls, values, strict=True)
-    )
-    return max(max(abs(r - round(r)), 2 - r, r - most) for r, most in ranks)
+    n, d = call.arguments[0].shape
+    rank = float(values[0])
+    return max(abs(rank - round(rank)), 2 - rank, rank - min(n, d + 1))
 
 
-@law("An affine field must have the same gradient at every point.")
-def is_constant(_: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("An affine field must have the same gradient at every point.")
+def is_constant(_: Call, values: Values) -> float:
     """Return how much the gradient differs between evaluation points."""
-    return max(relative(np.ptp(g, axis=0), g) for (g,) in values)
+    (g,) = values
+    return relative(np.ptp(g, axis=0), g)
 
 
 QUESTIONS = (

@@ -5,13 +5,12 @@ The laws need the kernel. They compute it as the derivative of s^t at t = 1, by 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from math import ceil
 
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
-from fieldcheck.question import Law, Question, law_of_each, relative
+from fieldcheck.question import Question, law_of_each, relative
 from fieldcheck.variants import one_changed
 
 STEP = 1e-30
@@ -228,9 +227,10 @@ def matrix_shape(call: Call) -> tuple[tuple[int, ...], ...]:
     return ((rows, rows),)
 
 
-def is_symmetric(_: Sequence[Call], values: Sequence[Values]) -> float:
+def asymmetry(_: Call, values: Values) -> float:
     """Return the largest difference from the transpose."""
-    return max(relative(h - h.T, h) for (h,) in values)
+    (h,) = values
+    return relative(h - h.T, h)
 
 
 @law_of_each(
@@ -367,7 +367,7 @@ QUESTIONS = (
         matrix_inputs,
         matrix_shape,
         (
-            Law("The matrix of (3.5) must be its own transpose.", is_symmetric),
+            law_of_each("The matrix of (3.5) must be its own transpose.")(asymmetry),
             maps_coefficients_to_data,
         ),
         normal_form=in_units_of_the_kernel,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -116,10 +116,10 @@ def both_ends_known(_: Call, values: Values) -> Values:
     return (np.stack([low, high], axis=1)[order],)
 
 
-@law("Each edge must occur once, also where two triangles share it.")
-def no_edge_twice(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    repeated = [len(e) - len({frozenset(pair) for pair in e.tolist()}) for (e,) in values]
-    return float(max(repeated))
+@law_of_each("Each edge must occur once, also where two triangles share it.")
+def no_edge_twice(_: Call, values: Values) -> float:
+    (e,) = values
+    return float(len(e) - len({frozenset(pair) for pair in e.tolist()}))
 
 
 @law_of_each("The two ends of an edge must be different corners of one triangle.")
@@ -182,33 +182,31 @@ def either_side(_: Call, values: Values) -> Values:
     return midpoints, np.where(back, -normals, normals)
 
 
-def edge_data(
-    calls: Sequence[Call], values: Sequence[Values]
-) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
-    """Yield both ends of the edges of a call, the midpoints and the normals."""
-    for call, (midpoints, normals) in zip(calls, values, strict=True):
-        points, edges = call.arguments
-        one, other = np.moveaxis(np.take(points, edges, axis=0), 1, 0)
-        yield one, other, midpoints, normals
+def ends_of(call: Call) -> tuple[np.ndarray, np.ndarray]:
+    """Return both ends of the edges of a call."""
+    points, edges = call.arguments
+    one, other = np.moveaxis(np.take(points, edges, axis=0), 1, 0)
+    return one, other
 
 
-@law(
+@law_of_each(
     "The vector from the first end to the midpoint must equal the vector from the midpoint to "
     "the second end."
 )
-def halfway(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return max(relative((p - a) - (b - p), b - a) for a, b, p, _ in edge_data(calls, values))
+def halfway(call: Call, values: Values) -> float:
+    (a, b), (p, _) = ends_of(call), values
+    return relative((p - a) - (b - p), b - a)
 
 
-@law("A unit normal must have length one.")
-def unit_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return max(relative(np.hypot(*n.T) - 1, 1) for *_, n in edge_data(calls, values))
+@law_of_each("A unit normal must have length one.")
+def unit_length(_: Call, values: Values) -> float:
+    return relative(np.hypot(*values[1].T) - 1, 1)
 
 
-@law("A normal must be perpendicular to its edge.")
-def across(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    found = edge_data(calls, values)
-    return max(relative(np.einsum("ek,ek->e", b - a, n), b - a) for a, b, _, n in found)
+@law_of_each("A normal must be perpendicular to its edge.")
+def across(call: Call, values: Values) -> float:
+    (a, b), (_, n) = ends_of(call), values
+    return relative(np.einsum("ek,ek->e", b - a, n), b - a)
 
 
 # 05.3 The rotation
@@ -263,9 +261,10 @@ def stays_rigid(call: Call, values: Values) -> float:
     return relative(np.einsum("ek,ek->e", way, change), way**2)
 
 
-@law("The rotation is about the mean of the points, so the velocities must add up to zero.")
-def turns_about_the_mean(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return max(relative(u.mean(axis=0), u) for (u,) in values)
+@law_of_each("The rotation is about the mean of the points, so the velocities must add up to zero.")
+def turns_about_the_mean(_: Call, values: Values) -> float:
+    (u,) = values
+    return relative(u.mean(axis=0), u)
 
 
 # 05.4 Normal velocities

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
-from fieldcheck.question import Question, law, relative
+from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q05_edges import AWAY, directions
 from fieldcheck.simplices import (
     DIGITS_FAR_AWAY,
@@ -122,35 +122,27 @@ def across(vector: np.ndarray) -> np.ndarray:
     return vector[::-1] * [-1, 1]
 
 
-@law("A unit normal must have length one.")
-def of_unit_length(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    return max(relative(np.hypot(*n.T) - 1, 1) for (n,) in values)
+@law_of_each("A unit normal must have length one.")
+def of_unit_length(_: Call, values: Values) -> float:
+    return relative(np.hypot(*values[0].T) - 1, 1)
 
 
-@law("The normal in row a must be perpendicular to the side opposite to corner a.")
-def across_the_sides(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the sum of the normals times the opposite side lengths, and the deviation from
-    perpendicular.
-    """
-    worst = 0.0
-    for call, (n,) in zip(calls, values, strict=True):
-        for a in (0, 1, 2):
-            start, end = np.delete(call.arguments[0], a, axis=0)
-            worst = max(worst, relative(n[a] @ (end - start), end - start))
-    return worst
+@law_of_each("The normal in row a must be perpendicular to the side opposite to corner a.")
+def across_the_sides(call: Call, values: Values) -> float:
+    """Return the largest deviation from perpendicular."""
+    (q,), (n,) = call.arguments, values
+    sides = np.roll(q, -2, axis=0) - np.roll(q, -1, axis=0)
+    return max(relative(n[a] @ sides[a], sides[a]) for a in range(3))
 
 
-@law(
+@law_of_each(
     "An outward normal must point away from the opposite corner, for corners listed clockwise "
     "and counter-clockwise."
 )
-def leave_the_triangle(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def leave_the_triangle(call: Call, values: Values) -> float:
     """Return 1 if a normal points towards the opposite corner."""
-    inwards = [
-        np.any(np.sum(n * (q - q.mean(axis=0)), axis=1) > 0)
-        for (q,), (n,) in ((c.arguments, v) for c, v in zip(calls, values, strict=True))
-    ]
-    return float(max(inwards))
+    (q,), (n,) = call.arguments, values
+    return float(np.any(np.sum(n * (q - q.mean(axis=0)), axis=1) > 0))
 
 
 # 06.2 and 06.3 The velocity of a cell, and its defect

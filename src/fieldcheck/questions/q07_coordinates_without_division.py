@@ -11,7 +11,6 @@ from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q07_triangles import SMALL, beside_the_origin
 from fieldcheck.questions.q07_voronoi_coordinates import (
     INTEGERS,
-    ONE,
     Star,
     cells_of_integers,
     cells_with_integer_vertices,
@@ -21,6 +20,7 @@ from fieldcheck.questions.q07_voronoi_coordinates import (
     points_inside,
     points_outside,
     star,
+    sum_to_one,
     with_their_vertices,
 )
 
@@ -192,6 +192,6 @@ QUESTIONS = (
         3,
         safe_inputs,
         lambda call: per_point(call, 2),
-        (ONE, is_rotation_invariant, is_linear_on_edges, has_negative_coordinates_outside),
+        (sum_to_one, is_rotation_invariant, is_linear_on_edges, has_negative_coordinates_outside),
     ),
 )

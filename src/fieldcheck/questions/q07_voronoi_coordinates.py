@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
-from fieldcheck.question import Law, Question, law, law_of_each, relative
+from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.variants import one_changed
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -285,18 +285,16 @@ def with_their_vertices(random: np.random.Generator) -> Iterator[tuple[Star, np.
         yield cell, x, f"the vertex and two points in a cell of {words} neighbours"
 
 
-def sums_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("The coordinates of a point must sum to one, so that a constant is reproduced.")
+def sum_to_one(_: Call, values: Values) -> float:
     """Return the deviation of row sums from one."""
-    return max(float(np.abs(omega.sum(axis=1) - 1).max()) for (omega,) in values)
+    return float(np.abs(values[0].sum(axis=1) - 1).max())
 
 
-@law("The mean of the corners with these weights must be the point itself.")
-def reproduces_positions(calls: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each("The mean of the corners with these weights must be the point itself.")
+def reproduces_positions(call: Call, values: Values) -> float:
     """Return the deviation of the weighted means of the corners from the evaluation points."""
-    return max(
-        reproduction_error(omega, c.arguments[2], c.arguments[3])
-        for c, (omega,) in zip(calls, values, strict=True)
-    )
+    return reproduction_error(values[0], call.arguments[2], call.arguments[3])
 
 
 # 07.6 The spiral
@@ -446,11 +444,6 @@ def per_point(call: Call, x: int) -> tuple[tuple[int, ...], ...]:
     return ((len(call.arguments[x]), len(call.arguments[1])),)
 
 
-ONE = Law(
-    "The coordinates of a point must sum to one, so that a constant is reproduced.", sums_to_one
-)
-
-
 QUESTIONS = (
     Question(
         "07.4",
@@ -466,7 +459,7 @@ QUESTIONS = (
         2,
         coordinates_inputs,
         lambda call: per_point(call, 3),
-        (ONE, reproduces_positions),
+        (sum_to_one, reproduces_positions),
     ),
     Question(
         "07.6", "spiral", 2, spiral_inputs, lambda call: ((call.arguments[2], 2),), (winds_inwards,)

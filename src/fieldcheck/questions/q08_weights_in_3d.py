@@ -18,7 +18,7 @@ from fieldcheck.questions.q07_coordinates_without_division import (
     is_rotation_invariant,
 )
 from fieldcheck.questions.q07_triangles import beside_the_origin
-from fieldcheck.questions.q07_voronoi_coordinates import ONE, balances
+from fieldcheck.questions.q07_voronoi_coordinates import balances, sum_to_one
 from fieldcheck.questions.q08_tetrahedra import moved
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
@@ -429,7 +429,7 @@ QUESTIONS = (
         coordinates_inputs,
         lambda call: ((len(call.arguments[3]), len(call.arguments[2])),),
         (
-            ONE,
+            sum_to_one,
             is_rotation_invariant,
             is_right_on_the_cube,
             has_negative_coordinates_outside,

@@ -123,22 +123,22 @@ def integrates_to_the_change_of_weights(calls: Sequence[Call], values: Sequence[
     return float(np.abs(change - [0.0, -1.0, 1.0, 0.0, 0.0]).max())
 
 
-@law("If all nodes move alike, all points must move with them: each row of H must sum to 1.")
-def rows_sum_to_one(_: Sequence[Call], values: Sequence[Values]) -> float:
+@law_of_each(
+    "If all nodes move alike, all points must move with them: each row of H must sum to 1."
+)
+def rows_sum_to_one(_: Call, values: Values) -> float:
     """Return the deviation of row sums from one: translations must be reproduced."""
-    return max(float(np.abs(h.sum(axis=1) - 1).max()) for (h,) in values)
+    return float(np.abs(values[0].sum(axis=1) - 1).max())
 
 
-@law(
+@law_of_each(
     "H times the coordinates of the nodes must be the coordinates of the points: linear "
     "displacements must be reproduced."
 )
-def reproduces_positions(calls: Sequence[Call], values: Sequence[Values]) -> float:
+def reproduces_positions(call: Call, values: Values) -> float:
     """Return the deviation of the weighted means of the nodes from the points."""
-    return max(
-        relative(np.einsum("ij,jk->ik", h, c.arguments[0]) - c.arguments[1], c.arguments[1])
-        for c, (h,) in zip(calls, values, strict=True)
-    )
+    (nodes, points, *_), (h,) = call.arguments, values
+    return relative(np.einsum("ij,jk->ik", h, nodes) - points, points)
 
 
 @law("At a node, the weight of this node must be 1, and all others must be 0.")
@@ -189,7 +189,7 @@ def loads_inputs(seed: int) -> tuple[Call, ...]:
         "loads",
         ((transfer(random, 7, 4), random.normal(size=(7, 3))), "seven points and four nodes"),
         (
-            (transfer(random, 4, 4), random.integers(-9, 10, (4, 3))),
+            (transfer(random, 5, 4), random.integers(-9, 10, (5, 3))),
             "forces in an array of integers",
         ),
         (
@@ -218,6 +218,8 @@ def loads_inputs(seed: int) -> tuple[Call, ...]:
         ((transfer(random, 5, 3), np.zeros((5, 3))), "forces that are zero"),
         ((random.integers(-3, 4, (5, 3)), random.integers(-9, 10, (5, 3))), "all whole numbers"),
         ((transfer(random, 61, 5), random.normal(size=(61, 2))), "61 points and five nodes"),
+        ((transfer(random, 5, 5), random.normal(size=(5, 3))), "as many points as nodes"),
+        ((transfer(random, 3, 3), random.normal(size=(3, 2))), "three points and three nodes"),
     )
 
 
