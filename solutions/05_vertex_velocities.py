@@ -546,8 +546,8 @@ check("05.7")
 #
 # ### 05.8 The velocity at a vertex
 #
-# Write a function that returns $\mathbf{u}(\mathbf{x}_i)$ for given weights. The mesh may have any
-# size from $10^{-8}$ to $10^8$.
+# Write a function that returns $\mathbf{u}(\mathbf{x}_i)$ for given weights. The mesh is near the
+# origin, and may have any size from $10^{-8}$ to $10^8$.
 #
 # <details><summary>Hint</summary>
 #

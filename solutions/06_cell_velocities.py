@@ -492,7 +492,8 @@ def cells(s, seed):
 # Write a function that returns the root-mean-square (RMS) errors for all three choices. Let
 # $\mathbf{m}$ be the mean of the points, let the data be
 # $v_a = \mathbf{n}_a \cdot \mathbf{u}(\mathbf{p}_a)$ at the midpoints of the sides, and let
-# $\mathbf{u}_T$ be your velocity of cell $T$. The mesh may be small and far from the origin. Then
+# $\mathbf{u}_T$ be your velocity of cell $T$. The mesh may be small, and at most ten thousand times
+# its size away from the origin. Then
 #
 # $$ E_{\mathbf{O}} = \sqrt{\operatorname{mean}_T \lVert \mathbf{u}_T - \mathbf{u}(\mathbf{O}_T)
 #    \rVert^2}, \qquad
@@ -503,8 +504,9 @@ def cells(s, seed):
 #    \mathbf{u}(\mathbf{q}_{T,a}) \rVert^2} \tag{6.7} $$
 #
 # are the errors at the circumcentres $\mathbf{O}_T$, at the centroids $\mathbf{M}_T$, and at the
-# corners $\mathbf{q}_{T,a}$ of each cell. Another $\mathbf{m}$ would give the same errors, up to
-# rounding: it adds the same constant velocity to the field and to all $\mathbf{u}_T$.
+# corners $\mathbf{q}_{T,a}$ of each cell. Another $\mathbf{m}$, such as zero, gives the same errors
+# up to rounding, and is as good: it adds the same constant velocity to the field and to all
+# $\mathbf{u}_T$.
 
 
 # %% question="06.6" minutes=25

@@ -373,7 +373,8 @@ def not_of_length_one(points, c):
 @answers("04.4")
 def mirrored(points, c):
     """The two components were exchanged, which is a reflection and not a rotation by 90 degrees.
-    Before the division by the length, the scalar product with u is 2 u₁u₂. One sign is missing.
+    Before the division by the length, the scalar product with u is 2 u₁u₂ or −2 u₁u₂. Exactly one
+    of the two components must change its sign.
     """
     return unit(flow_at(points, c)[:, ::-1])
 

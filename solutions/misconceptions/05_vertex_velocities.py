@@ -154,8 +154,8 @@ def tangents(points, edges):
 
 @answers("05.2")
 def components_exchanged_without_a_sign(points, edges):
-    """The two components were exchanged, but no sign was changed. This is a reflection and not a
-    rotation by 90 degrees. Compute the scalar product of your normal and its edge.
+    """The two components were exchanged, but none or both changed their signs. This is a reflection
+    and not a rotation by 90 degrees. Compute the scalar product of your normal and its edge.
     """
     a, b = ends(points, edges)
     return (a + b) / 2, (b - a)[:, ::-1] / np.hypot(*(b - a).T)[:, None]

@@ -397,7 +397,7 @@ def halved(points, normals, distance, passes, sides=(1, -1)):
     for length, side in zip(lengths.T, sides, strict=True):
         while True:
             failed = ~passes(points + side * length[:, None] * normals, length)
-            failed &= (length >= 1e-6) | (length == distance)
+            failed &= length >= 1e-12 * distance
             if not failed.any():
                 break
             length[failed] /= 2
@@ -803,7 +803,7 @@ def marched(values, share, swap=False, corners=CORNERS):
     for e, f in zip(ends, values):
         for i in range(4):
             j = (i + 1) % 4
-            if f[i] * f[j] < 0:
+            if (f[i] > 0) != (f[j] > 0):
                 e[int((f[i] < 0) != swap)] = corners[i] + share(f[i], f[j]) * (
                     corners[j] - corners[i]
                 )
@@ -856,7 +856,7 @@ def in_the_order_of_the_sides(values):
         found = [
             CORNERS[i] + linear(f[i], f[i - 3]) * (CORNERS[i - 3] - CORNERS[i])
             for i in range(4)
-            if f[i] * f[i - 3] < 0
+            if (f[i] > 0) != (f[i - 3] > 0)
         ]
         e[:] = found[:2]
     return ends
@@ -886,7 +886,7 @@ def last_side_forgotten(values):
     ends = np.zeros((len(values), 2, 2))
     for e, f in zip(ends, values):
         for i in range(3):
-            if f[i] * f[i + 1] < 0:
+            if (f[i] > 0) != (f[i + 1] > 0):
                 e[int(f[i] < 0)] = CORNERS[i] + linear(f[i], f[i + 1]) * (
                     CORNERS[i + 1] - CORNERS[i]
                 )

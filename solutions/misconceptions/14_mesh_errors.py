@@ -71,8 +71,8 @@ def each_coordinate_by_itself(points, tolerance):
 
 @answers("14.1")
 def relative_tolerance(points, tolerance):
-    """`isclose` adds 1e-5 times the size of the numbers to the tolerance, unless another `rtol` is
-    given. Far from the origin this merges different points.
+    """`isclose` and `allclose` add 1e-5 times the size of the numbers to the tolerance, unless
+    another `rtol` is given. Far from the origin this merges different points.
     """
     near = np.isclose(points[:, None], points, atol=tolerance).all(axis=2)
     return np.argmax(near, axis=1)

@@ -386,8 +386,9 @@ def _is_one_whole_number(wrong: Sequence[Case]) -> bool:
 
 
 def _signs(wrong: Sequence[Case]) -> str:
-    only_signs = all(case.right_if(np.copysign) for case in wrong)
-    return "The wrong values differ from the right ones only in sign." if only_signs else ""
+    if not all(case.right_if(np.copysign) for case in wrong):
+        return ""
+    return "The wrong numbers differ from the right ones only in sign."
 
 
 def _offset(wrong: Sequence[Case]) -> str:

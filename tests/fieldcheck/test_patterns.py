@@ -206,7 +206,7 @@ def test_a_size_is_told_only_for_want_of_a_better_pattern(change, beginning):
             "For a small table, the wrong values are the right ones times 3. For a large table, "
             "they are the right ones times 5.",
         ),
-        (np.abs, "The wrong values differ from the right ones only in sign."),
+        (np.abs, "The wrong numbers differ from the right ones only in sign."),
         (lambda a: a - 0.5, "The wrong values are all too small by 0.5."),
         (np.transpose, "The wrong arrays are the transposes of the right ones."),
         (np.flipud, "The wrong arrays are right in the reverse order."),
@@ -303,7 +303,7 @@ def test_the_opposite_of_a_whole_number_is_reported():
     characteristic = Question("99.5", "euler", 1, inputs, lambda _: ((),))
     right = [(np.array(2.0),), (np.array(-4.0),)]
     opposite = [(-r,) for (r,) in right]
-    sentence = "The wrong values differ from the right ones only in sign."
+    sentence = "The wrong numbers differ from the right ones only in sign."
     assert pattern(characteristic, CALLS, opposite, right) == sentence
 
 

@@ -386,7 +386,7 @@ def interpolate_inputs(seed: int) -> tuple[Call, ...]:
         calls.append(Call("interpolate", (center, rim, corners, values(corners), x), case))
     for n in (5, 6):
         center, rim, corners = star(random, n)
-        first_edge = (np.arange(n) < 2).astype(float)
+        first_edge = np.where(np.arange(n) < 2, 1.0, 0.25)
         x = points_outside(center, corners)
         case = f"points outside a cell of {n} neighbours, where values may exceed those given"
         calls.append(Call("interpolate", (center, rim, corners, first_edge, x), case))

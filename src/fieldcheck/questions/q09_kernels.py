@@ -123,7 +123,7 @@ def zero_if_rounding(call: Call, values: Values) -> Values:
 
 @law(
     "Your number must be the least value of λᵀAλ over all vectors λ of length one that satisfy the "
-    "side conditions."
+    "side conditions. Singular values of P of at most 10⁻¹⁰ times the largest one count as zero."
 )
 def is_where_the_signs_change(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return one if the form minus the number is not positive just below it, or is positive just

@@ -173,7 +173,11 @@ def b_spline_inputs(seed: int) -> tuple[Call, ...]:
         (double, 3, "ten knots, two of them the same, and the degree 3"),
         (simple[:5], 0, "five knots and the degree 0"),
         (double[3:8], 1, "five knots, two of them the same, and the degree 1"),
-        (simple[:7], 2, "seven knots, points in whole numbers, and the degree 2"),
+        (
+            simple[:7],
+            2,
+            "seven knots, the degree 2, and points in whole numbers, none of them a knot",
+        ),
         (clamped, 2, "seven knots, with triple ends, and the degree 2"),
     )
     calls = []
