@@ -92,9 +92,10 @@ def _depths(points: np.ndarray, half_edges: HalfEdges) -> np.ndarray:
     which = np.flatnonzero(closed)
     start = points[origin[which]]
     corners = points[half_edges.triangles[faces]]
-    top = np.broadcast_to([0.0, 0.0, points[:, 2].max()], start.shape)
+    end = start.copy()
+    end[:, 2] = points[:, 2].max()
     low, high = corners.min(axis=1), corners.max(axis=1)
-    rays = BVH(start, np.maximum(start, top * [0, 0, 1] + start * [1, 1, 0]), low.min(axis=0))
+    rays = BVH(start, end, low.min(axis=0))
     tree = BVH(low, high, low.min(axis=0))
     boxes = np.full((2, count, 3), np.inf)
     np.minimum.at(boxes[0], parts[faces], low)

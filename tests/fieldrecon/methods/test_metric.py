@@ -132,8 +132,14 @@ def test_wrong_metrics_are_refused(make):
     for words, metric in wrong.items():
         with refused(words):
             make(X, metric=metric)
-    for matrix in ([[1, 2], [2, 1]], [[1, 1], [1, 1]], np.zeros((2, 2)), -np.eye(2)):
-        with refused("metric must be positive definite; its least", np.linalg.LinAlgError):
+    for matrix, least in (
+        ([[1, 2], [2, 1]], "-1, and its largest entry 2"),
+        ([[1, 1], [1, 1]], "(0|-?[0-9.]+e-1[5-9]), and its largest entry 1"),
+        (np.zeros((2, 2)), "0, and its largest entry 0"),
+        (np.diag([-1, -3]), "-3, and its largest entry 3"),
+    ):
+        words = f"metric must be positive definite; its least eigenvalue is {least}$"
+        with refused(words, np.linalg.LinAlgError):
             make(X, metric=matrix)
 
 

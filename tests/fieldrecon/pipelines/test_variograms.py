@@ -36,6 +36,8 @@ def test_a_plane_has_neither_nugget_nor_range():
     assert not found.levels_off
     assert found.range_in_words.startswith("more than 0.6")
     np.testing.assert_allclose(found.values[:5], found.distances[:5] ** 2 / 4, rtol=0.2)
+    line = np.linspace(0, 3, 400)[:, None]  # distances of up to 1.5 are compared
+    assert variogram(line, line[:, 0]).range == pytest.approx(20 * 1.5)
 
 
 def literal_bins(points, values):

@@ -8,6 +8,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 from fieldrecon.datasets.synthetic import uniform
+from fieldrecon.kernels.conditionally_positive_definite import polyharmonic
+from fieldrecon.methods.functionals import derivatives_at, values_at
+from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.pipelines.scans import _percent
@@ -303,6 +306,15 @@ def test_up_to_700_points_are_interpolated_by_one_system(n, method):
     """And more by a partition of unity, if no method is given."""
     body = implicit_surface(spiral(n), spiral(n), smoothing=0.0)
     assert type(body.field.method) is method
+
+
+def test_from_points_and_normals_the_kernel_is_that_of_least_energy():
+    """That is r^3, whose data are the values 0 and the slopes -1 along the normals."""
+    points, normals = cloud(TORUS, 60)
+    data = [values_at(points), derivatives_at(points, normals)]
+    field = HermiteRBF(data, polyharmonic(3)).field(np.repeat([0.0, -1.0], 60))
+    x = 0.9 * points
+    assert_close(implicit_surface(points, normals, method="hermite")(x), field(x), 1e-9)
 
 
 def test_distances_are_those_to_first_order():
