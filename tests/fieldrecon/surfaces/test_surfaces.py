@@ -317,6 +317,17 @@ def test_from_points_and_normals_the_kernel_is_that_of_least_energy():
     assert_close(implicit_surface(points, normals, method="hermite")(x), field(x), 1e-9)
 
 
+def test_points_off_the_surface_are_a_spacing_away_or_as_far_as_given():
+    points, normals = cloud(TORUS, 300)
+    usual, same, nearer = (
+        implicit_surface(points, normals, smoothing=0.0, distance=distance)
+        for distance in (None, spacing_of(points), spacing_of(points) / 3)
+    )
+    x = 0.9 * points
+    assert_close(same(x), usual(x), 1e-12)
+    assert np.abs(nearer(x) - usual(x)).max() > 1e-3
+
+
 def test_distances_are_those_to_first_order():
     """|F| over |grad F|, of the points that were used by default."""
     points, normals = cloud(TORUS, 300)
