@@ -29,6 +29,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
+from functools import cache
 from itertools import accumulate
 from pathlib import Path
 from queue import SimpleQueue
@@ -54,6 +55,40 @@ PATIENCE = ("-o", "faulthandler_timeout=200", "-o", "faulthandler_exit_on_timeou
 """A test that takes more seconds does not end; without a mutant none takes a fifth of them."""
 LEFT_BEHIND = (".git", ".venv*", "build", "dist", "__pycache__", ".*_cache", ".hypothesis")
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "VECLIB_MAXIMUM_THREADS": "1"}
+
+
+# --- What no test can catch
+
+
+@cache
+def listed() -> dict[str, list[dict]]:
+    """Return the choices and the equivalent mutants of the list."""
+    return tomllib.loads(EQUIVALENT.read_text())
+
+
+def choices(path: str) -> set[str]:
+    """Return the constants of a file that decide time, memory or looks alone."""
+    constants = (c.split(":") for entry in listed()["choice"] for c in entry["constants"])
+    return {name for file, name in constants if file == path}
+
+
+def outdated() -> list[str]:
+    """Return the entries of the list whose file or code is not there any more."""
+
+    def code(path: str) -> str:
+        file = ROOT / path
+        return "\n".join(map(str.strip, file.read_text().splitlines())) if file.exists() else ""
+
+    places = [c.split(":") for entry in listed()["choice"] for c in entry["constants"]]
+    lines = [(entry["path"], entry["before"]) for entry in listed()["mutant"]]
+    return [
+        *(
+            f"{path}: {name}"
+            for path, name in places
+            if not re.search(rf"^{name}\b", code(path), re.M)
+        ),
+        *(f"{path}: {before}" for path, before in lines if before not in code(path)),
+    ]
 
 
 # --- The mutants of a file
@@ -165,23 +200,52 @@ def signatures(tree: ast.Module) -> tuple[list[Extent], list[Extent]]:
     return heads, extents_of(defaults)
 
 
-def spared(tree: ast.Module) -> list[Extent]:
+SPARED_ARGUMENTS = {
+    *("strict", "copy", "overwrite_a", "overwrite_b", "overwrite_c", "check_finite", "clean"),
+    *("balanced_tree", "workers", "pure", "maxsize", "linewidth", "linewidths", "dpi", "figsize"),
+    *("markersize", "markeredgewidth", "pad", "borderpad"),
+}
+"""Guards and permissions to change or share an argument, threads and caches, sizes of marks."""
+SPARED_CALLS = {"rows_of", "blas_threads_for", "split_progress", "default_rng"}
+"""Calls whose arguments decide how much is done at once, what a bar shows, or which sample."""
+SPARED_FUNCTIONS = {"_chunk_rows", "_weight_chunk_rows"}
+"""Functions that say how many rows are computed at once."""
+
+
+def names(target: ast.expr) -> set[str]:
+    """Return the names that are assigned."""
+    return {node.id for node in ast.walk(target) if isinstance(node, ast.Name)}
+
+
+def spared(tree: ast.Module, chosen: set[str]) -> list[Extent]:
     """Return the extents of messages, types, decorators, imports and lists of public names.
 
-    And of two things that no result depends on: `strict`, a guard against unequal lengths, and the
-    unknown length in ``reshape``, for which NumPy takes every negative number.
+    And of what no result depends on: the arguments and functions named above, the `chosen`
+    constants, and the unknown length in ``reshape``, for which NumPy takes any negative number.
     """
     nodes: list[ast.AST | None] = []
     for node in ast.walk(tree):
         match node:
+            case ast.Assign(targets=[ast.Name() | ast.Tuple() as target]) if names(target) & chosen:
+                nodes.append(node)
+            case ast.AnnAssign(target=ast.Name(id=name)) if name in chosen:
+                nodes.append(node)
+            case ast.Expr(value=ast.Call(func=ast.Name(id="stage" | "stages"))):
+                nodes.append(node)
+            case ast.FunctionDef(name=name) if name in SPARED_FUNCTIONS:
+                nodes.append(node)
+            case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if (
+                name in SPARED_CALLS
+            ):
+                nodes += node.args
+            case ast.keyword(arg=name) if name in SPARED_ARGUMENTS:
+                nodes.append(node.value)
             case ast.Raise() | ast.JoinedStr() | ast.Import() | ast.ImportFrom():
                 nodes.append(node)
             case ast.If(test=ast.Name(id="TYPE_CHECKING")):
                 nodes.append(node)
             case ast.Call(func=ast.Attribute(attr="warn")):
                 nodes.append(node)
-            case ast.keyword(arg="strict"):
-                nodes.append(node.value)
             case ast.Call(func=ast.Attribute(attr="reshape")):
                 nodes += [length for length in node.args if isinstance(length, ast.UnaryOp)]
             case ast.AnnAssign(annotation=ast.Name(id="TypeAlias")):
@@ -198,7 +262,7 @@ def spared(tree: ast.Module) -> list[Extent]:
 def mutants_of(path: str, source: str) -> Iterator[Mutant]:
     """Yield the mutants of a file."""
     tree = ast.parse(source)
-    extents, left_out = statements(tree), spared(tree)
+    extents, left_out = statements(tree), spared(tree, choices(path))
     heads, defaults = signatures(tree)
     nodes = list(ast_nodes(parso.parse(source)))
 
@@ -369,8 +433,7 @@ def outcome(mutant: Mutant, folder: Path, known: Reach) -> str:
 
 def equivalents() -> set[tuple[str, str, str]]:
     """Return path and lines, before and after, of the mutants that compute the same."""
-    listed = tomllib.loads(EQUIVALENT.read_text()).get("mutant", [])
-    return {(entry["path"], entry["before"], entry["after"]) for entry in listed}
+    return {(entry["path"], entry["before"], entry["after"]) for entry in listed()["mutant"]}
 
 
 def trials(mutants: list[Mutant], known: Reach, folders: list[Path], results: Path) -> dict:
@@ -414,6 +477,8 @@ def report(mutants: list[Mutant], outcomes: dict[str, str]) -> bool:
             print(f"\n{mutant.path}:{mutant.statement[0]} {outcomes[repr(mutant)]}")
             print("\n".join(f"- {line}" for line in lines[0].splitlines()))
             print("\n".join(f"+ {line}" for line in lines[1].splitlines()))
+    for entry in outdated():
+        print(f"\nnot in the code any more: {entry}")
     share = caught / (caught + left)
     print(
         f"\n{caught} of {len(mutants)} mutants caught, {left} not, "
