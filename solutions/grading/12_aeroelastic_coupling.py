@@ -3,8 +3,9 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q12_load_transfer import grid, transfer
+from fieldcheck.questions.q12_load_transfer import transfer
 from fieldcheck.questions.q12_steady_state import section, wing
+from fieldcheck.questions.q12_weights_and_slopes import grid
 from fieldgrade.authoring.hidden_cases import hidden
 
 

@@ -5,8 +5,8 @@ import pytest
 from scipy.linalg import eigvals
 
 from checkout import ROOT
-from fieldcheck.questions.q12_load_transfer import grid
 from fieldcheck.questions.q12_steady_state import section, wing
+from fieldcheck.questions.q12_weights_and_slopes import grid
 from fieldgrade.authoring.sources import Source
 from fieldrecon import RBF, polyharmonic
 from fieldrecon.coupling.flat_structures import FlatCoupling

@@ -1,4 +1,4 @@
-"""The questions of the course: one to three modules for each notebook.
+"""The questions of the course: up to four modules for each notebook.
 
 A module defines ``QUESTIONS``: inputs, shapes, and laws that a right answer satisfies. It contains
 no solution, and no code close to one.

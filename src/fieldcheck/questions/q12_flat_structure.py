@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.question import Question, law, relative
-from fieldcheck.questions.q12_load_transfer import grid
+from fieldcheck.questions.q12_weights_and_slopes import grid
 
 # 12.8 A flat structure
 
