@@ -15,12 +15,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from time import process_time
 
 import numpy as np
 from scipy.interpolate import RBFInterpolator
 
 from benchmarks.compared_methods import Fit, kriging, scipy_linear, verde_cross_validated
+from benchmarks.finished_runs import FinishedRuns
 from benchmarks.scattered_data import survey_files, survey_samples
 from benchmarks.timing import BenchmarkResult, Table, Track
 from fieldrecon.datasets.elevation import terrain
@@ -53,12 +55,14 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class Size:
-    splits: int = 5
-    splits_of_few: int = 20
+    splits: int = 20
+    splits_of_few: int = 60
     """Of surveys of fewer than 1000 samples, whose splits differ more."""
     samples: int = 2500
     """Of a larger survey, so many samples in its middle are measured, and the whole survey."""
     splits_of_whole: int = 5
+    kept: Path | None = None
+    """A file of the finished splits: a comparison that was interrupted goes on after them."""
 
     def of(self, count: int) -> int:
         """Number of splits of a survey with this number of samples."""
@@ -67,21 +71,22 @@ class Size:
         return self.splits_of_few if count < FEW else self.splits
 
 
-FULL = Size()
+FULL = Size(kept=Path(__file__).parents[1] / "build" / "finished-surveys.jsonl")
 QUICK = Size(2, 2, 1500, 0)
 TOY = Size(1, 1, 200, 0)
 
 
 def run(size: Size, track: Track) -> BenchmarkResult:
-    cases = [(name, how) for name in surveys(size) for how in SPLITS]
+    samples, finished = surveys(size), FinishedRuns(size.kept)
     rows = []
-    for name, how in track(cases, "surveys"):
-        points, values = surveys(size)[name]
+    for name, how in track([(name, how) for name in samples for how in SPLITS], "surveys"):
+        points, values = samples[name]
         splits = size.of(len(points))
-        found = np.array([measured(points, values, how, seed) for seed in range(splits)])
+        found = np.array([kept(finished, name, how, k, points, values) for k in range(splits)])
         to_kernels, others = np.split(found, [len(KERNELS)], axis=1)
         to_best = to_kernels.mean(axis=0).max(), to_kernels.max(axis=1).mean()
         rows.append((name, how, len(points), splits, *map(float, to_best), *map(_mean, others.T)))
+    finished.forget()
     return BenchmarkResult(
         parameters={"neighbours of SciPy": NEIGHBORS, "samples at most": size.samples},
         tables=[Table("Means over the splits", COLUMNS, rows)],
@@ -92,6 +97,16 @@ def run(size: Size, track: Track) -> BenchmarkResult:
             "survey, the samples nearest to the middle are measured, and then all of it."
         ],
     )
+
+
+def kept(
+    finished: FinishedRuns, name: str, how: str, seed: int, points: np.ndarray, values: np.ndarray
+) -> list[float]:
+    """The numbers of a split, measured unless they are among the finished ones."""
+    run = f"{name}, {how}, {seed}"
+    if finished.get(run) is None:
+        finished.add(run, measured(points, values, how, seed))
+    return list(finished.get(run))
 
 
 def _mean(numbers: np.ndarray) -> float | str:

@@ -242,7 +242,8 @@ check("09.1")
 #
 # Write a function that returns (9.6) for any symmetric $\mathbf{A}$ and any $\mathbf{P}$. There are
 # two special cases: $\mathbf{P}$ may have no columns, and its columns may be linearly dependent.
-# Singular values of $\mathbf{P}$ of at most $10^{-10}$ times the largest one count as zero.
+# Singular values of $\mathbf{P}$ of at most $10^{-10}$ times the largest one count as zero. All
+# columns may be zero.
 #
 # <details><summary>Hint</summary>
 #
@@ -413,10 +414,9 @@ def six_points(out):
 # Write a function that solves (9.3) and evaluates (9.2) at the points $\mathbf{x}$. The power $k$
 # and the degree $n$ are arguments. For $n = -1$ there is no polynomial. The degree may also be
 # lower than the order requires. The given points are distinct and such that (9.3) has exactly one
-# solution; there may be as few points as monomials. Their coordinates may be some hundreds. Use
-# them as they are: with too low a degree, another unit of length changes the field.
-# `saddle_point_matrix` combines the two blocks of the matrix; you state the blocks and the right
-# side.
+# solution; there may be as few points as monomials. Their coordinates may be some hundreds. Do not
+# change the unit of length: with too low a degree, it changes the field. `saddle_point_matrix`
+# combines the two blocks of the matrix; you state the blocks and the right side.
 #
 # <details><summary>Hint</summary>
 #

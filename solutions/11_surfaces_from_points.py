@@ -595,7 +595,8 @@ def beside(distance):
 #
 # ### 11.7 Newton's method
 #
-# Return the points after the given number of steps (11.9); for 0 steps, the given points.
+# Return the points after the given number of steps (11.9); for 0 steps, the given points. The
+# values of $F$ and its gradients may be of any size.
 
 
 # %% question="11.7" minutes=15 optional

@@ -240,7 +240,7 @@ print(triangles_at_vertices(5, SQUARE))
 # <details><summary>Hint</summary>
 #
 # `points[:, None] - points` is the array of all differences. For an array of True and False,
-# `np.argmax` finds the first True: along which axis?
+# `np.argmax` along an axis finds the first True.
 #
 # </details>
 
@@ -454,7 +454,8 @@ check("14.4")
 #
 # ### 14.5 Fans
 #
-# Return how many fans each vertex has, and 0 for a vertex without triangles.
+# Return how many fans each vertex has, and 0 for a vertex without triangles. All triangles at a
+# common edge are in one fan, also three or more.
 #
 # <details><summary>Hint 1</summary>
 #
@@ -704,8 +705,9 @@ check("14.7")
 # ### 14.8 Segments through triangles
 #
 # For each of $K$ pairs of a segment and a triangle, return whether (14.5) holds. No triangle is
-# degenerate. No segment touches an edge or a corner of its triangle. Some segments end in the plane
-# of the triangle or lie in this plane. There (14.4) is zero, so the first condition does not hold.
+# degenerate. Some segments end in the plane of the triangle, or lie in this plane, wholly inside or
+# wholly outside the triangle. There (14.4) is zero, so the first condition does not hold. No segment
+# touches an edge or a corner of its triangle.
 # In the check products and sums then give zero without rounding errors. `np.linalg.det` divides,
 # and rounds.
 # Pairs may be of any size, and far from the origin.

@@ -212,7 +212,7 @@ def always_about_the_origin(points, forces, about):
 
 @answers("12.4")
 def arm_with_a_plus(points, forces, about):
-    """The point a was added to the points of the forces. In (12.5) it is subtracted."""
+    """The moments are those for arms p + a. In (12.5) the point a is subtracted."""
     return np.r_[forces.sum(axis=0), np.cross(points + about, forces).sum(axis=0)]
 
 

@@ -163,8 +163,8 @@ def went_on_from_the_middle(x, t, dt, flow):
 
 @answers("13.2")
 def two_halves_of_euler(x, t, dt, flow):
-    """These are two steps of Euler's scheme, each of half the length. (13.4) makes one whole step
-    from x with the second velocity.
+    """These are the values of two steps of Euler's scheme, each of half the length. (13.4) makes one
+    whole step from x with the second velocity alone.
     """
     middle = x - dt / 2 * wind(x, t, flow)
     return middle - dt / 2 * wind(middle, t - dt / 2, flow)
@@ -242,8 +242,8 @@ def times_ahead(x, t, dt, flow):
 
 @answers("13.3")
 def third_stage_like_the_second(x, t, dt, flow):
-    """The third velocity is computed with the first one, so it equals the second. In (13.5) each
-    stage uses the velocity of the stage before.
+    """The third velocity might as well be the second again. In (13.5) each stage uses the velocity
+    of the stage before.
     """
     a = wind(x, t, flow)
     b = wind(x - dt * a / 2, t - dt / 2, flow)
@@ -441,8 +441,8 @@ def time_of_departure(sites, u, dt, steps, flow, k):
 
 @answers("13.6")
 def time_stands_still(sites, u, dt, steps, flow, k):
-    """The matrix of the first step was used in every step. If the velocity depends on time, the
-    departure points differ from step to step.
+    """Every step used the departure points of the same time. If the velocity depends on time, they
+    differ from step to step.
     """
     return marched(sites, u, dt, steps, flow, k, lambda n: right_feet(sites, dt, dt, flow))
 

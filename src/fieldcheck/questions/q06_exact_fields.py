@@ -63,9 +63,12 @@ def turns_rigidly(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 @law("The distance between two points must grow at the rate s, and shrink if s is negative.")
 def expands(calls: Sequence[Call], values: Sequence[Values]) -> float:
-    """Return the deviation of the radial component from s times the squared distance."""
+    """Return the deviation of the radial component from s times the squared distance.
+
+    The second call has s = 0, so that a wrong rotation is not taken for a wrong rate.
+    """
     x, _, s = calls[0].arguments
-    way, change = np.diff(x, axis=0), np.diff(values[0][0], axis=0)
+    way, change = np.diff(x, axis=0), np.diff(values[0][0] - values[1][0], axis=0)
     return relative(np.einsum("xk,xk->x", way, change - s * way), way**2)
 
 
@@ -133,6 +136,7 @@ def raviart_thomas_inputs(seed: int) -> tuple[Call, ...]:
         ((q, v, on[0]), "a point on the first side"),
         ((q, v, on[1]), "another point on the same side"),
         ((q, v, random.dirichlet((3, 3, 3)) @ q), "a point inside"),
+        ((q, v, 2 * on[0] - q[0]), "a point outside"),
         ((obtuse(random), random.normal(size=3), random.random(2)), "an obtuse triangle"),
         (
             (triangle(random, False, 0.4), random.normal(size=3), random.random(2)),

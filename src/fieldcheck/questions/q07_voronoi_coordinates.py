@@ -269,8 +269,9 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
         inside = points_inside(random, center, corners, m)
         calls.append(Call("coordinates", (center, rim, corners, inside), case))
     for call in (calls[0], calls[4]):
-        tiny = tuple(1e-12 * part for part in call.arguments)
-        calls.append(Call("coordinates", tiny, f"{call.case}, of the size 10⁻¹²"))
+        for size, words in ((1e-12, "10⁻¹²"), (2.0**30, "10⁹")):
+            scaled = tuple(size * part for part in call.arguments)
+            calls.append(Call("coordinates", scaled, f"{call.case}, of the size {words}"))
     for cell, inside, words in with_their_vertices(random):
         calls.append(Call("coordinates", (*cell, inside), words))
     return tuple(calls)

@@ -308,7 +308,7 @@ def wendland_inputs(seed: int) -> tuple[Call, ...]:
     calls = []
     for d, s in cases:
         r = np.concatenate([[0, 1], random.random(6), 1 + random.random(2) * [1, 30]])
-        shaped, words = (r.reshape(2, 5), "a matrix of distances, ") if d == 2 else (r, "")
+        shaped, words = (r.reshape(2, 5), "a matrix of distances, ") if d == 5 else (r, "")
         calls.append(Call("wendland", (shaped, d, s), f"{words}D = {d} and s = {s}"))
     r = calls[0].arguments[0]
     shapes = ((69,), (9, 31), (2, 3, 4))

@@ -250,10 +250,17 @@ def of_the_size(size: float, x: np.ndarray, *function: np.ndarray) -> tuple[np.n
     return places, sites, size * weights, size * plane
 
 
+def of_small_values(
+    sites: np.ndarray, weights: np.ndarray, plane: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """Return a function (11.7) with the same zero level, whose values and gradients are small."""
+    return sites, 2.0**-30 * weights, 2.0**-30 * plane
+
+
 def newton_inputs(seed: int) -> tuple[Call, ...]:
     """Return points near a zero level, with no, one, two and enough steps, in two units of length;
-    a single point; many points. At last lengths and values are so small that an answer stops too
-    early if it compares F or a step with a fixed number.
+    a single point; many points. At last lengths or values are so small that an answer stops too
+    early if it compares F, a step or a gradient with a fixed number.
     """
     random = np.random.default_rng(seed)
     plane, space = body(random, 2, 5), body(random, 3, 4)
@@ -281,6 +288,11 @@ def newton_inputs(seed: int) -> tuple[Call, ...]:
         (
             (*of_the_size(2.0**-60, near_diagonals(random, 4, 3), *space), 3),
             "three steps in space, with lengths and values of about 10⁻¹⁸",
+        ),
+        ((x, *of_small_values(*plane), 2), "two steps, values of F of about 10⁻⁹"),
+        (
+            (near_diagonals(random, 4, 3), *of_small_values(*space), 1),
+            "one step in space, values of F of about 10⁻⁹",
         ),
     )
 

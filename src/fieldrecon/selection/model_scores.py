@@ -8,6 +8,10 @@ import numpy as np
 
 from fieldrecon.selection.models import Maker, Model
 
+SMALL_GAIN, CERTAIN = 1.1, 2.0
+"""Ratio of errors, and standard errors of their difference, up to which a model that is not
+cautious is not preferred to one that is."""
+
 
 @dataclass(frozen=True, eq=False)
 class ModelScore:
@@ -77,28 +81,41 @@ class ModelScore:
         """Key of the order: more held-out samples, then caution, then the smaller rms first."""
         return -self.n_held_out, self.caution, self.rms
 
-    def is_level_with(self, best: ModelScore) -> bool:
-        """Whether its mean square error exceeds that of the best by at most one standard error.
+    def is_level_with(self, best: ModelScore, standard_errors: float = 1.0) -> bool:
+        """Whether its mean square error exceeds that of the best by so few standard errors.
 
         With the differences e of their squares, and s the sums of e - mean(e) at each of the
-        samples, of which some are held out in several folds: mean(e) <= sqrt(sum(s²)) / m.
+        samples, of which some are held out in several folds: mean(e) <= k sqrt(sum(s²)) / m.
         """
         excess = self.squares - best.squares
         weights = np.ones(len(excess)) if self.weights is None else self.weights
         mean = np.average(excess, weights=weights)
         off = weights * (excess - mean)
         sums = off if self.held_out is None else np.bincount(self.held_out, weights=off)
-        return bool(mean <= np.sqrt((sums**2).sum()) / weights.sum())
+        return bool(mean <= standard_errors * np.sqrt((sums**2).sum()) / weights.sum())
 
 
 def by_caution(scores: list[ModelScore]) -> list[ModelScore]:
     """The scores, with the caution of their models if they are level with the best on all folds."""
     most = max(score.n_held_out for score in scores)
     final = [score for score in scores if score.n_held_out == most > 0]
-    least = min(final, key=lambda score: score.rms, default=None)
+    least = _best_of(final)
     return [
         replace(score, caution=score.model.caution)
         if least and score in final and score.is_level_with(least)
         else score
         for score in scores
     ]
+
+
+def _best_of(scores: list[ModelScore]) -> ModelScore | None:
+    """The score of least error; that of a cautious model if the gain is small and uncertain.
+
+    An interpolant of high order overshoots at a few places. Its error is large if one of them is
+    among the held-out samples, and small by chance if none is.
+    """
+    cautious = [score for score in scores if score.model.caution < np.inf]
+    least, safe = (min(some, key=lambda s: s.rms, default=None) for some in (scores, cautious))
+    if not (least and safe) or safe.rms > SMALL_GAIN * least.rms:
+        return least
+    return safe if safe.is_level_with(least, CERTAIN) else least

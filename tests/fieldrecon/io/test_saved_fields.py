@@ -10,6 +10,7 @@ import pytest
 
 import fieldrecon as fr
 from fieldrecon.io.saved_fields import load_with_names
+from fieldrecon.methods.functionals import values_at
 
 POINTS = fr.datasets.halton(120, 2)
 VALUES = fr.datasets.franke(POINTS)
@@ -205,6 +206,19 @@ def test_inconsistent_arrays_are_refused(tmp_path, arrays, words):
     """A pickle in the archive is not opened."""
     with pytest.raises(ValueError, match=words):
         fr.load(written(tmp_path, **arrays))
+
+
+def test_parts_of_functionals_of_another_shape_are_refused(tmp_path):
+    """Numbers for the gradients would be taken for each of their components."""
+    path = tmp_path / "field.npz"
+    fr.save(path, fr.HermiteRBF(values_at(POINTS), fr.polyharmonic(3)).field(VALUES))
+    with np.load(path) as stored:
+        content = dict(stored)
+    header = json.loads(bytes(content["header"]))
+    header["method"]["gradient"] = [0.0] * len(POINTS)
+    np.savez(path, **(content | {"header": np.frombuffer(json.dumps(header).encode(), np.uint8)}))
+    with pytest.raises(ValueError, match=r"gradient must have the shape \(120, 2\); got \(120,\)"):
+        fr.load(path)
 
 
 def test_other_files_are_refused(tmp_path):

@@ -218,6 +218,23 @@ def test_target_tables_need_the_columns_of_the_samples(tmp_path):
         targets_of_table(path, ("x", "y", "z"))
 
 
+def test_npz_files_keep_the_rows_of_a_table_of_targets(tmp_path):
+    """Two values at each target: in a bad row, both are missing."""
+    path = tmp_path / "at.csv"
+    path.write_text("x,y\n3,2\n2,?\n6,95\n7,5\n")
+    targets = targets_of_table(path, ("x", "y"))
+    values = np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])
+    names, marks = ("x", "y", "east", "north"), np.zeros(3, np.int8)
+    FORMATS["npz"](tmp_path / "a.npz", TargetValues(names, targets, values, 10 * values, marks))
+    with np.load(tmp_path / "a.npz") as stored:
+        found = {name: stored[name] for name in ("points", "values", "error")}
+    good = [0, 2, 3]
+    assert np.array_equal(found["points"][good], targets.points)
+    assert np.array_equal(found["values"][good], values)
+    assert np.array_equal(found["error"][good], 10 * values)
+    assert all(np.isnan(array[1]).all() and array.shape == (4, 2) for array in found.values())
+
+
 def test_targets_may_be_the_vertices_of_a_mesh(tmp_path):
     """The mesh may consist of triangles in the plane, tetrahedra, or triangles in space."""
     for mesh in (MESH, SOLID):

@@ -394,6 +394,20 @@ def test_of_models_with_level_errors_the_most_cautious_is_chosen():
         assert min(compared, key=lambda score: score.rank).model.name == chosen
 
 
+@pytest.mark.parametrize(
+    ("gain", "noise", "chosen"),
+    [(0.15, 1.0, "linear"), (0.25, 1.0, "pu"), (8.0, 47.0, "linear"), (8.8, 47.0, "pu")],
+)
+def test_an_interpolant_of_high_order_needs_a_certain_or_a_large_gain(gain, noise, chosen):
+    """The gain in the mean square is 1.5 and 2.5 of its standard errors, a tenth of the noise; then
+    1.7 and 1.9, which is 9.5 and 10.5 % of the root mean square.
+    """
+    wave = noise * (np.tile([0.0, 2.0], 50) - 1)
+    high_order = score_of("pu", np.sqrt(np.full(100, 40.0)))
+    compared = by_caution([high_order, score_of("linear", np.sqrt(40 + gain + wave))])
+    assert min(compared, key=lambda score: score.rank).model.name == chosen
+
+
 @pytest.mark.slow
 def test_the_most_cautious_model_is_compared_on_all_folds():
     """A model that is worse by chance on the first folds is not lost."""

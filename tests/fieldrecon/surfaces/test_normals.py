@@ -467,6 +467,14 @@ def test_invalid_arguments_are_refused(call, words):
         call()
 
 
+def test_three_neighbours_are_enough_for_a_plane():
+    """The least number: a point and its two nearest ones."""
+    p = np.array([[0.0, 0, 0], [1, 0, 1], [0, 1, 2], [9, 9, 9], [10, 9, 9], [9, 10, 9]])
+    estimate = estimate_normals(p, neighbors=3)
+    planes = [*[np.array([1.0, 2, -1]) / 6**0.5] * 3, *[np.array([0.0, 0, 1])] * 3]
+    assert_close(np.abs(np.einsum("ij,ij->i", estimate.vectors, planes)), np.ones(6), 1e-14)
+
+
 def test_more_neighbours_than_points_use_all_points():
     """Three points determine a plane."""
     estimate = estimate_normals([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], neighbors=20)

@@ -17,7 +17,7 @@ def maybe_rank_deficient(y: np.ndarray, degree: int) -> np.ndarray:
         return np.zeros(len(y), dtype=bool)
     if basis.shape[1] < basis.shape[2]:
         return np.ones(len(y), dtype=bool)
-    return ~by_elimination(basis.mT @ basis, 1)[1]
+    return ~by_elimination(basis.mT @ basis, 0)[1]
 
 
 def orthonormal_basis(y: np.ndarray, degree: int, tolerance: np.ndarray) -> np.ndarray:
