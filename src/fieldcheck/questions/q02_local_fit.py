@@ -200,6 +200,8 @@ def fit_inputs(seed: int) -> tuple[Call, ...]:
         (corner, alike, "three points in the plane"),
         (1e-6 * twice(plane, 2), alike, "fourteen measurements in a square of 10⁻⁶"),
         (1e-6 * twice(space, 3), alike, "twenty-three measurements in a cube of 10⁻⁶"),
+        (1e-8 * twice(plane, 2), alike, "fourteen measurements in a square of 10⁻⁸"),
+        (1e-8 * twice(space, 3), alike, "twenty-three measurements in a cube of 10⁻⁸"),
         (
             [1, 1e-3] * twice(plane, 2),
             spread,

@@ -77,6 +77,14 @@ def field_inputs(seed: int) -> tuple[Call, ...]:
             (1e-4 * space, data, 1e-4 * y, 1e-4 * 0.5),
             "twenty-three measurements at twenty points in a cube of 10⁻⁴",
         ),
+        (
+            (1e-8 * p, v, 1e-8 * x, 1e-8 * 0.25),
+            "seventeen measurements at fifteen points in a square of 10⁻⁸",
+        ),
+        (
+            (1e-8 * space, data, 1e-8 * y, 1e-8 * 0.5),
+            "twenty-three measurements at twenty points in a cube of 10⁻⁸",
+        ),
         ((p, v, x, 0.05), "a small ε"),
         ((integers(p), integers(v), integers(x), 75.0), "points and values in the plane, integers"),
         ((integers(space), data, integers(y), 150.0), "points in space, integers"),
