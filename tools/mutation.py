@@ -203,10 +203,10 @@ def signatures(tree: ast.Module) -> tuple[list[Extent], list[Extent]]:
 SPARED_ARGUMENTS = {
     *("strict", "copy", "overwrite_a", "overwrite_b", "overwrite_c", "check_finite", "clean"),
     *("balanced_tree", "workers", "pure", "maxsize", "linewidth", "linewidths", "dpi", "figsize"),
-    *("markersize", "markeredgewidth", "pad", "borderpad"),
+    *("markersize", "markeredgewidth", "pad", "borderpad", "nbins", "allow_nan"),
 }
 """Guards and permissions to change or share an argument, threads and caches, sizes of marks."""
-SPARED_CALLS = {"rows_of", "blas_threads_for", "split_progress", "default_rng"}
+SPARED_CALLS = {"rows_of", "rows", "blas_threads_for", "split_progress", "default_rng"}
 """Calls whose arguments decide how much is done at once, what a bar shows, or which sample."""
 SPARED_FUNCTIONS = {"_chunk_rows", "_weight_chunk_rows"}
 """Functions that say how many rows are computed at once."""
@@ -221,7 +221,8 @@ def spared(tree: ast.Module, chosen: set[str]) -> list[Extent]:
     """Return the extents of messages, types, decorators, imports and lists of public names.
 
     And of what no result depends on: the arguments and functions named above, the `chosen`
-    constants, and the unknown length in ``reshape``, for which NumPy takes any negative number.
+    constants, the unknown length in ``reshape``, for which NumPy takes any negative number, and the
+    divisor that ``where`` puts in place of those that are not used.
     """
     nodes: list[ast.AST | None] = []
     for node in ast.walk(tree):
@@ -240,6 +241,8 @@ def spared(tree: ast.Module, chosen: set[str]) -> list[Extent]:
                 nodes += node.args
             case ast.keyword(arg=name) if name in SPARED_ARGUMENTS:
                 nodes.append(node.value)
+            case ast.BinOp(op=ast.Div(), right=ast.Call(func=ast.Attribute(attr="where")) as where):
+                nodes += where.args[2:]
             case ast.Raise() | ast.JoinedStr() | ast.Import() | ast.ImportFrom():
                 nodes.append(node)
             case ast.If(test=ast.Name(id="TYPE_CHECKING")):
