@@ -56,7 +56,7 @@ COLUMNS = (
 @dataclass(frozen=True)
 class Size:
     splits: int = 20
-    splits_of_few: int = 60
+    splits_of_few: int = 40
     """Of surveys of fewer than 1000 samples, whose splits differ more."""
     samples: int = 2500
     """Of a larger survey, so many samples in its middle are measured, and the whole survey."""

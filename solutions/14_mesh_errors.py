@@ -706,11 +706,10 @@ check("14.7")
 #
 # For each of $K$ pairs of a segment and a triangle, return whether (14.5) holds. No triangle is
 # degenerate. Some segments end in the plane of the triangle, or lie in this plane, wholly inside or
-# wholly outside the triangle. There (14.4) is zero, so the first condition does not hold. No segment
-# touches an edge or a corner of its triangle.
-# In the check products and sums then give zero without rounding errors. `np.linalg.det` divides,
-# and rounds.
-# Pairs may be of any size, and far from the origin.
+# wholly outside the triangle. There (14.4) is zero, so the first condition does not hold. No
+# segment touches an edge or a corner of its triangle. In the check products and sums then give zero
+# without rounding errors. `np.linalg.det` divides, and rounds. Pairs may be of any size, and far
+# from the origin.
 #
 # <details><summary>Hint</summary>
 #

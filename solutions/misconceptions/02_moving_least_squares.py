@@ -180,6 +180,15 @@ def right_side_weighted_once(points, values, w):
 
 
 @answers("02.2")
+def small_singular_values_dropped(points, values, w):
+    """A pseudo-inverse takes small singular values for zero. In a small unit of length the slopes
+    are among them, and are lost. `numpy.linalg.solve` drops nothing.
+    """
+    b = basis(points)
+    return np.linalg.pinv((b.T * w**2) @ b) @ ((b.T * w**2) @ values)
+
+
+@answers("02.2")
 def weights_not_used(points, values, w):
     """These are the coefficients of plain least squares: the weights have no effect. Where does W
     enter (2.5)?
@@ -256,6 +265,20 @@ def coefficients_frozen(points, values, x, epsilon):
     others. In (2.6) c depends on x, so each evaluation point has its own system.
     """
     return value_at(local(points, values, x[0], epsilon), x)
+
+
+@answers("02.4")
+def small_singular_values_dropped_at_each_point(points, values, x, epsilon):
+    """A pseudo-inverse takes small singular values for zero. In a small unit of length the slopes
+    are among them, and are lost. `numpy.linalg.solve` drops nothing.
+    """
+    b, squares = basis(points), [weight(points, place, epsilon) ** 2 for place in x]
+    return np.array(
+        [
+            value_at(np.linalg.pinv((b.T * w) @ b) @ ((b.T * w) @ values), place)
+            for w, place in zip(squares, x)
+        ]
+    )
 
 
 @answers("02.4")

@@ -59,8 +59,8 @@ def right_slopes(nodes, points, factor=3.0, sign=1.0, unit=1.0):
 @answers("12.1")
 def small_singular_values_cut(nodes, points):
     """The system was solved by a pseudo-inverse or by least squares, with the default tolerance. If
-    the coordinates are large, it cuts small singular values. The matrix is regular, so
-    `np.linalg.solve` solves the system.
+    the coordinates are very large or small, it cuts small singular values. The matrix is regular,
+    so `np.linalg.solve` solves the system.
     """
     return by_pseudo_inverse(nodes, right_side(nodes, points))
 

@@ -163,8 +163,8 @@ def went_on_from_the_middle(x, t, dt, flow):
 
 @answers("13.2")
 def two_halves_of_euler(x, t, dt, flow):
-    """These are the values of two steps of Euler's scheme, each of half the length. (13.4) makes one
-    whole step from x with the second velocity alone.
+    """These are the values of two steps of Euler's scheme, each of half the length. (13.4) makes
+    one whole step from x with the second velocity alone.
     """
     middle = x - dt / 2 * wind(x, t, flow)
     return middle - dt / 2 * wind(middle, t - dt / 2, flow)

@@ -134,7 +134,8 @@ def _failures(
     count = _number_in_form(question, calls, outcomes)
     if count < len(calls):
         form = list(_form(question, calls[count], outcomes[count]))
-        singular = "LinAlgError" in outcomes[count].error
+        error = outcomes[count].error
+        singular = "LinAlgError" in error and "did not converge" not in error
         before = min(count, 1) if singular else count
         wrong = _wrong_before(question, calls, outcomes, answers, count, before)
         yield from wrong or [(finding, sentence, count) for finding, sentence in form]

@@ -246,7 +246,7 @@ def rotation_inputs(seed: int) -> tuple[Call, ...]:
 def crossing_lines(random: np.random.Generator, n: int) -> np.ndarray:
     """Return 2 n - 1 points on two lines parallel to the axes, the first one at the crossing."""
     along = random.permutation(n) + random.uniform(0, 0.5, n)
-    level, upright = np.outer(along, [1, 0]), np.outer(random.permuted(along), [0, 1])
+    level, upright = np.outer(along, [1, 0]), np.outer(np.roll(along, 1), [0, 1])
     return np.append(level - along[0] * np.array([1, 0]), (upright - upright[0])[1:], axis=0) + 0.3
 
 

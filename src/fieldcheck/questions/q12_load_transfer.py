@@ -30,7 +30,7 @@ def loads_inputs(seed: int) -> tuple[Call, ...]:
         ),
         (
             (random.normal(size=(3, 5)), random.normal(size=(3, 2))),
-            "weights of both signs that do not sum to one",
+            "forces of two components, weights of both signs that do not sum to one",
         ),
         ((random.normal(size=(5, 3)), random.normal(size=(5, 1))), "forces of one component"),
         ((random.uniform(0.5, 2, (4, 1)), random.normal(size=(4, 3))), "a single node"),
