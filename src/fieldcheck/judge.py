@@ -411,7 +411,7 @@ def _difference(
         which = "All right values here" if len(units) == 1 else "All right values of this array"
         return f"{text} {which} are whole numbers."
     if wanted.size == 1:
-        value = f"The right value is {wanted.item():.2g}".replace("-", "−")
+        value = f"The right value is {'−' * (wanted.item() < 0)}{abs(wanted.item()):.2g}"
     else:
         value = f"The largest right value is {scale(wanted):.2g}"
     return f"{text} {value}; rounding explains {tolerance:.0e}."

@@ -151,6 +151,7 @@ def test_a_slow_earlier_answer_explains_only_slowness(monkeypatch):
     hasty = {q.name: replace(q, limit=0.5) for q in map(get, ("01.1", "01.2"))}
     monkeypatch.setattr("fieldcheck.earlier_answers.questions", lambda: hasty)
     monkeypatch.setattr(notebook, "get", hasty.get)
+    monkeypatch.setattr("fieldcheck.notebook.TIMEOUT_FACTOR", 100.0)  # on a busy machine, too
     # only for many points, so that the limit may be far above the pauses of a busy machine
     busy = (
         "    end = time.process_time() + 0.6 * (len(points) > 50)\n"
