@@ -4,6 +4,7 @@ import io
 import re
 import subprocess
 import sys
+from copy import copy
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -238,6 +239,16 @@ def test_a_region_of_the_globe_is_projected_to_a_plane(tmp_path, width, method, 
     again = plane(load=tmp_path / "f.npz").result
     assert np.array_equal(again.values, survey.result.values)
     np.testing.assert_allclose(again.error, survey.result.error)
+
+
+@pytest.mark.parametrize(("radius", "in_plane"), [(29.5, True), (30.5, False)])
+def test_a_region_of_the_globe_reaches_thirty_degrees_from_its_middle(radius, in_plane):
+    """Two circles of latitude about the pole, and the pole."""
+    around = np.arange(0.0, 360.0, 30.0)
+    circles = [np.column_stack([around, np.full(12, 90.0 - r)]) for r in (radius, radius / 2)]
+    samples = np.concatenate([*circles, [[0.0, 90.0]]])
+    survey = plane(samples, value=samples[:, 1], lonlat=True)
+    assert isinstance(survey.field.method.method, fr.methods.OnTangentPlane) == in_plane
 
 
 @pytest.mark.parametrize(
@@ -575,6 +586,7 @@ def test_each_of_several_values_has_pictures_of_its_own():
             assert other not in words
         (low, high), (one, other) = (axes.get_ylim() for axes in of_each)
         assert (other - one) / (high - low) == pytest.approx(factor)
+        assert picture(survey, kind).axes[0].get_ylabel() == of_each[0].get_ylabel()
     drawn = {f"{kind}_{k}": b"" for kind in OF_EACH_VALUE for k in (1, 2)} | {"nearest": b""}
     captions = re.findall("<figcaption>([^<]+)<", summary(survey, {}, drawn))
     wanted = [f"{CAPTIONS[kind]}: {name}" for kind in OF_EACH_VALUE for name in names]
@@ -618,6 +630,23 @@ def test_distances_are_alike_whose_quantiles_differ_by_a_fifth_of_their_mean(rat
     )
     assert ("a median distance of 30 m (" in found.sentence) != alike
     assert found.farthest == "60 m"
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_each_error_is_said_to_depend_on_the_distance_and_a_power_of_the_roughness(number):
+    """That of its band; it names its value if there are several."""
+    values = np.column_stack([PLANE, np.sin(9 * PLANE)])
+    survey = plane(POINTS, value=values[:, 0] if number == 1 else values)
+    of = [f" of {name}" for name in survey.samples.value_names] if number > 1 else [""]
+    for exponent, power in ((0.0, ""), (0.5, "the root of the roughness"), (1.0, "the roughness")):
+        known = [replace(one, band=copy(one.band)) for one in survey.validations]
+        for one in known:
+            one.band.exponent = exponent
+        words = replace(survey, validations=known).warnings
+        said = [sentence for sentence in words if sentence.startswith("The given error")]
+        assert [one.partition(" bounds ")[0] for one in said] == [f"The given error{o}" for o in of]
+        by = f"the nearest sample{f' and of {power} of the field there' if power else ''}. "
+        assert all(by in sentence for sentence in said)
 
 
 def test_the_variogram_of_a_survey_is_that_of_its_samples():

@@ -184,11 +184,14 @@ def test_latitudes_beyond_the_poles_are_bad_rows(table):
 
 
 def test_points_on_the_globe_are_distinguished_to_a_tenth_of_a_millimetre(table):
-    """That is a billionth of a degree; what rounding makes of 360 - 349.9 is less."""
-    path = table("lon,lat,t\n10.1,0,1\n10.100000001,0,2\n-349.9,0,3\n")
+    """That is a billionth of a degree; what rounding makes of 360 - 349.9 is less.
+
+    Points nearer than half of it are one.
+    """
+    path = table("lon,lat,t\n10.1,0,1\n10.100000001,0,2\n-349.9,0,3\n10.1000000004,0,2\n")
     samples = read_samples(path, lonlat=True)
     assert samples.points.tolist() == [[10.1, 0], [10.100000001, 0]]
-    assert samples.values.tolist() == [2, 2]
+    assert samples.values.tolist() == pytest.approx([2, 2])
 
 
 def test_degrees_reach_to_the_poles_and_once_around_the_earth(table):
@@ -390,6 +393,15 @@ def test_extents_in_other_units_are_reported(table):
     ]
     assert "convert one of them, or divide x by 1e+04" in said[0][0]
     assert said[1] == []
+
+
+@pytest.mark.parametrize(("ratio", "reported"), [(199.5, False), (200.5, True)])
+@pytest.mark.parametrize("turned", [False, True])
+def test_extents_in_the_ratio_of_200_are_probably_not_in_one_unit(ratio, reported, turned):
+    """Whichever of the two is the wider one."""
+    points = np.array([[0.0, 0.0], [ratio, 0.3], [0.1, 1.0]])[:, :: -1 if turned else 1]
+    said = Samples(("x", "y", "v"), points, np.zeros(3)).warnings
+    assert any("convert one of them" in words for words in said) == reported
 
 
 def test_numbers_are_read_to_the_last_digit(table):

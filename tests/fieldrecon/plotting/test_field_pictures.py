@@ -216,7 +216,12 @@ def test_the_colours_of_a_field_range_over_the_values_among_the_samples(some_sur
     assert picture.get_extent() == veil.get_extent() == [*axes.get_xlim(), *axes.get_ylim()]
     hatched, line = outline
     assert hatched.hatches == ["////"]
-    assert line.get_paths()
+    x, y = some_survey.result.targets.axes
+    half_x, half_y = x[2:].mean(), y[1:].mean()  # of the way to the corner, which is outside
+    (outside,), (edge,) = hatched.get_paths(), line.get_paths()
+    np.testing.assert_allclose(outside.get_extents().extents, [half_x, half_y, x[3], y[2]])
+    ends = edge.vertices[edge.vertices[:, 0].argsort()]
+    np.testing.assert_allclose(ends, [[half_x, y[2]], [x[3], half_y]])
 
 
 def test_only_a_grid_with_nodes_outside_the_samples_is_hatched(some_survey):

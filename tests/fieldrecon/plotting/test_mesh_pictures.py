@@ -232,6 +232,19 @@ def test_what_is_behind_the_surface_is_hidden():
     assert not picture.hidden(beside).any()
 
 
+@pytest.mark.parametrize("middle", [None, np.array([3, 7, 9])])
+def test_what_is_a_fiftieth_of_the_picture_behind_its_surface_is_hidden(middle):
+    """In the middle of each pixel, also at the edge of a close-up."""
+    points, triangles = cube(4)
+    picture = MeshPicture(points, triangles, np.array([1.0, 1.1, 1.2]), 90, middle)
+    pixel = np.flatnonzero(picture.front >= 0)
+    row, column = np.divmod(pixel, picture.shape[1])
+    behind = 0.02 * max(picture.shape)
+    for further, hidden in ((-1e-6, False), (1e-6, True)):
+        depth = picture.depth[pixel] - behind - further
+        assert (picture.hidden(np.column_stack([column + 0.5, row + 0.5, depth])) == hidden).all()
+
+
 def test_a_close_up_has_the_errors_in_its_middle():
     """Larger by 1 / 0.36 than the whole mesh, square, with as many pixels."""
     points, triangles = cube(4)
@@ -299,8 +312,8 @@ def test_hidden_edges_are_thinner_and_paler_than_visible_ones():
         )
         hidden, visible = axes.collections
     assert (len(hidden.get_segments()), len(visible.get_segments())) == (3, 9)
-    assert hidden.get_alpha() < visible.get_alpha() == 1.0
-    assert hidden.get_linewidth()[0] < visible.get_linewidth()[0]
+    assert 0 < hidden.get_alpha() < visible.get_alpha() == 1.0
+    assert 0 < hidden.get_linewidth()[0] < visible.get_linewidth()[0]
 
 
 def test_an_audit_is_drawn_from_two_opposite_sides():

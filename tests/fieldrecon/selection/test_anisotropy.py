@@ -8,6 +8,7 @@ from fieldrecon.cli.main import main
 from fieldrecon.datasets import uniform
 from fieldrecon.pipelines import reconstruct
 from fieldrecon.selection import MODELS, Anisotropy, CrossValidator, find_anisotropy
+from fieldrecon.selection.distance_matching import distance_matched_folds
 from fieldrecon.selection.models import mean_of, with_distances
 
 ALONG = Anisotropy(4.0, 30.0)
@@ -88,6 +89,34 @@ def test_the_direction_turns_with_the_samples():
         _, found = find_anisotropy(validator, validator.evaluate(MODELS["cubic"]))
         angles.append(found.angle)
     assert (angles[1] - angles[0]) % 180 == pytest.approx(90)
+
+
+def test_the_neighbours_of_the_best_direction_are_tried_and_then_those_of_its_ratio():
+    """Halfway to the next directions, and with ratios larger or smaller by the root of two."""
+    tried = []
+
+    class Recording(CrossValidator):
+        def score(self, model, maker, folds=None):
+            found = super().score(model, maker, folds)
+            tried.append((maker.keywords["metric"], found.rms))
+            return found
+
+    points = uniform(20, 2, seed=3)
+    given = points, slowly_along(points, ALONG), distance_matched_folds(points, None, 4)
+    find_anisotropy(Recording(*given), CrossValidator(*given).evaluate(MODELS["cubic"]))
+    trials, errors = iter(tried), {}
+
+    def best(some):
+        for one in some:
+            if one not in errors:
+                metric, errors[one] = next(trials)
+                np.testing.assert_allclose(metric, one.metric, atol=1e-15)
+        return min(some, key=errors.get)
+
+    first = best([Anisotropy(r, a) for r in (2.0, 4.0) for a in (0.0, 45.0, 90.0, 135.0)])
+    turned = best([first, *(Anisotropy(first.ratio, first.angle + a) for a in (-22.5, 22.5))])
+    best([turned, *(Anisotropy(turned.ratio * f, turned.angle) for f in (0.5**0.5, 2**0.5))])
+    assert next(trials, None) is None
 
 
 def test_the_search_reports_each_variant_that_it_tries():
