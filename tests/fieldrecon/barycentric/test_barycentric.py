@@ -536,6 +536,19 @@ def test_hanging_vertices_have_the_limits_of_their_coordinates():
     hanging_vertices_have_their_limits(BarycentricCoordinates)
 
 
+@pytest.mark.parametrize("unit", [2.0**-40, 2.0**40])
+def test_a_query_is_on_an_edge_with_hanging_vertices_in_any_unit(unit):
+    """Up to rounding, and not a little inside; powers of two change no bit of the weights."""
+    vertices, number = with_hanging_vertices(1)
+    a, b, _, c, _ = vertices[number[:5]]
+    on = a + np.linspace(0, 1, 9)[:, None] * (b - a)
+    x = np.concatenate([on, on + 1e-9 * (c - on)])
+    w = BarycentricCoordinates(vertices).weights(x)
+    assert (w[:9, number[5:7]] > 0.1).any(axis=1).sum() == 7
+    assert not w[9:, number[5:]].any()
+    laws.assert_same_bits(BarycentricCoordinates(unit * vertices).weights(unit * x), w)
+
+
 @pytest.mark.parametrize(("roundings", "hanging"), [(-8, 1), (0, 1), (8, 1), (-200, 0), (200, 0)])
 def test_vertices_off_an_edge_by_rounding_hang_in_it(roundings, hanging):
     """On either side of it, though Qhull sees corners outside; farther off all are corners."""

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.stats import ortho_group
 
 from fieldrecon._core.chunks import Inline
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
@@ -200,6 +201,22 @@ def test_the_cell_of_the_face_centred_lattice_has_corners_of_four_faces():
         beside = corners + 1e-9 * (x[0] - corners)
         assert abs(cell.weights(beside) @ corners - beside).max() < 1e-13
     assert max(len(c) for c in cell.cells) == 2
+
+
+@pytest.mark.parametrize("corners", [RHOMBIC_DODECAHEDRON, PYRAMID], ids=["14 corners", "5"])
+def test_at_a_corner_of_four_faces_the_weights_are_exact_and_have_no_gradient(corners):
+    """In any position and unit, although the four heights there are rounded."""
+    for seed, unit in enumerate((1e-9, 1.0, 1e9)):
+        q = ortho_group.rvs(3, random_state=seed)
+        cell = voronoi_cell(unit * (corners @ q + 0.1))
+        crowded = [a for a, cells in enumerate(cell.cells) if len(cells) == 2]
+        assert len(crowded) == (6 if len(corners) == 14 else 1)
+        assert (cell.weights(cell.points[crowded]) == np.eye(len(corners))[crowded]).all()
+        x = inside(cell.points, 9)
+        assert abs(cell.weights(x) @ cell.points - x).max() < 1e-12 * unit
+        for a in crowded:
+            with pytest.raises(ValueError, match="no gradient at the corner"):
+                cell.gradient_weights(cell.points[a])
 
 
 def test_cocircular_points_give_one_corner():

@@ -241,6 +241,16 @@ def test_results_do_not_depend_on_the_unit(unit):
         np.testing.assert_allclose(there.offsets / unit, here.offsets, atol=1e-12)
 
 
+@pytest.mark.parametrize("unit", [0.1, 1.0, 10.0])
+def test_a_soup_that_has_offsets_is_enclosed_in_any_unit(unit, rng):
+    """The function is zero at one corner, and positive at the others."""
+    points, triangles = torus(8, 5)
+    offsets = 0.1 * rng.normal(size=len(triangles))
+    soup = fr.surfaces.PolygonSoup(unit * points, triangles, 0.3 * unit, unit * offsets)
+    assert abs(soup(soup.points).min()) > 1e-3 * unit
+    assert abs(soup.enclosing()(soup.points).min()) < 1e-12 * unit
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("loose", "epsilon", "share"), [(0.0, 0.3, 0.05), (0.1, 0.05, 0.8), (0.1, 0.3, 0.97)]

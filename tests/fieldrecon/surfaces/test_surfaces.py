@@ -94,6 +94,16 @@ def test_radii_of_empty_balls_equal_the_minimum_over_all_pairs():
     assert_close(radius, np.minimum(touching.min(axis=1), 9.0), 1e-9)
 
 
+def test_the_balls_off_the_surface_are_as_large_wherever_the_origin_is():
+    """Also where coordinates are so large that a shift to twice as far would round them."""
+    normals = spiral(200)
+    points = np.rint(40 * normals)
+    near, far = (off_surface_points(points + shift, normals, 99.0) for shift in (0.0, 2.0**52))
+    assert 0 < (np.abs(near.values) < 98).sum() < len(near.values)
+    assert far.sites.tolist() == near.sites.tolist()
+    assert_close(far.values, near.values, 1e-12)
+
+
 def test_off_surface_values_are_signed_distances_positive_inside():
     """On the unit ball they are exactly 1 - |x|."""
     points = spiral(400)
@@ -341,7 +351,7 @@ def test_distances_are_those_to_first_order():
     assert_close(body.distances(x), np.abs(TORUS(x)), 0.02)
 
 
-@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("unit", [1e-200, 1e-3, 1.0, 1e3, 1e200])
 def test_the_longest_smoothed_waves_have_half_the_width_of_a_cloud(unit):
     """Its second largest extent along its principal axes."""
     arms = np.diag([3.0, 1.0, 0.3])
@@ -429,6 +439,17 @@ def test_a_point_apart_has_more_than_the_reach_of_its_neighbours_to_the_second_o
     assert outliers(points).tolist() == literal
     assert 0 < sum(literal) < 20
     assert not outliers(points[:9] * [1, 1, 1e9]).any()  # too few to be compared
+
+
+def test_points_lie_apart_and_have_noise_wherever_the_origin_is():
+    """Also where coordinates are so large that a shift to twice as far would round them."""
+    points = np.rint(2 * np.random.default_rng(0).standard_normal((200, 3)) ** 3)
+    points = np.unique(points, axis=0)
+    far = points + 2.0**52
+    assert (far - 2.0**52 == points).all()
+    assert 0 < outliers(points).sum() < 20
+    assert outliers(far).tolist() == outliers(points).tolist()
+    assert noise_of(far) == pytest.approx(noise_of(points), rel=1e-9)
 
 
 @pytest.mark.parametrize("n", [300, 7, 6])
@@ -824,6 +845,20 @@ def test_a_surface_is_followed_through_every_cell_that_it_crosses(body, points):
         assert (np.diff(done) >= 0).all()
         assert (done <= total).all()
         assert done[-1] == total[-1] == known.sum()
+
+
+@pytest.mark.parametrize("shift", [0.0, 2.0**52])
+def test_the_volume_of_a_cube_is_exact_wherever_it_is(shift):
+    """Two triangles on each side, with corners that are integers."""
+    corners = np.array([*product((0, 1), repeat=3)])
+    sides = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    halves = [t for a, b, c, d in sides for t in ([a, b, c], [a, c, d])]
+    none = np.empty(0, dtype=np.intp)
+    cube = surface_extraction.ExtractedSurface(
+        3.0 * corners + shift, np.array(halves), Box(3.0), 1.0, none, none
+    )
+    assert cube.volume == 27.0
+    assert cube.area == 54.0
 
 
 def test_points_are_missed_farther_than_two_cells_from_all_vertices():

@@ -397,6 +397,30 @@ def test_separating_planes_remove_most_pairs_of_flat_faces():
     assert 0 < many < 2.5 * few
 
 
+def test_a_plane_separates_opposite_triangles_whose_edges_continue_through_their_corner():
+    """It bisects the angle, however wide this is and however different the edges are."""
+    a, b = np.array([1.0, 0, 0]), np.array([-12.0, 5, 0])
+    points = np.array([0 * a, a, b, -2 * a, -3 * b])
+    for one, other in itertools.product(
+        *(itertools.permutations(t) for t in ([0, 1, 2], [0, 3, 4]))
+    ):
+        assert close_pairs(points, np.array([one, other])).tolist() == []
+
+
+@pytest.mark.parametrize("share", [0.05, 0.5, 0.95])
+def test_triangles_are_close_if_a_displacement_by_the_tolerance_makes_them_touch(share):
+    """In a plane, one below an edge and one above it, each moved away; those far off are not."""
+    below = np.array([[0.0, 0, 0], [1, 0, 0], [0.5, -1, 0]])
+    above = np.array([[share, 0, 0], [share + 0.3, 1, 0], [share - 0.3, 1, 0]])
+    for times, expected in ((1, [[0, 1]]), (20, [])):
+        away = [0, 0.01 * times, 0]
+        points = np.concatenate([below - away, above + away])
+        for axes in itertools.permutations(range(3)):
+            for one in itertools.permutations(range(3)):
+                triangles = np.array([one, [3, 4, 5]])
+                assert close_pairs(points[:, axes], triangles, 0.01).tolist() == expected
+
+
 @pytest.mark.parametrize("up", [1.0, -1.0])
 def test_triangles_that_touch_at_two_vertices_in_one_place_are_close(up):
     """No plane separates them strictly: only a shared vertex may lie on it."""

@@ -390,6 +390,18 @@ def test_the_least_norm_solution_of_a_cross_depends_on_the_origin():
     assert_close(at_the_centre, u[0], EXACT)  # every solution gives this value
 
 
+def test_a_ring_of_all_faces_is_the_last():
+    """A flat star determines its centre badly, but a second ring has no further faces."""
+    angle = 0.1 + 2 * np.pi * np.arange(5) / 5
+    rim = np.column_stack([np.cos(angle), 0.01 * np.sin(angle)])
+    mesh = SimplexMesh(np.vstack([[0, 0], rim]), [[0, 1 + k, 1 + (k + 1) % 5] for k in range(5)])
+    assert amplification(slides_matrix(mesh, np.arange(10), 0), 2) > WELL_DETERMINED
+    u = affine(mesh, 3)(mesh.points)
+    found = vertex_velocities(mesh, normal_velocities(mesh, u), vertices=[0])
+    assert found.rings.tolist() == [1]
+    assert_close(found.values, u[:1], 1e-9)
+
+
 @pytest.mark.slow
 def test_rings_are_minimal(mesh):
     """With one ring fewer, the singular values of B' show an amplification above ten."""
