@@ -170,6 +170,6 @@ def test_chords_are_more_accurate_than_degrees(name):
 def test_latitudes_beyond_a_pole_are_refused():
     """Usually longitude and latitude are exchanged, and the message asks about that."""
     with pytest.raises(ValueError, match="within ±90 degrees; got 120 at longitude 10: are they"):
-        to_unit([[0.0, 0.0], [10.0, 120.0]])
+        to_unit([[0.0, 0.0], [10.0, 120.0], [20.0, -100.0]])  # the first is named
     with pytest.raises(ValueError, match="lonlat must have 2 coordinates per point"):
         to_unit([1.0, 2.0, 3.0])

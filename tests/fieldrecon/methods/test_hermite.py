@@ -47,6 +47,7 @@ ROUGHER: list[Radial] = [
     thin_plate_spline(),
     polyharmonic(4),
     matern(1.5, 0.3),
+    matern(2.0, 0.3),
     wendland(1, 0),
     wendland(3, 1, 0.8),
     inverse_square(0.5),
@@ -128,6 +129,15 @@ def test_smoothness_equals_the_number_of_finite_radial_derivatives(kernel):
         far, near = np.abs(radial_derivative(kernel, np.array([1e-8, 1e-14]), j))
         assert (1e-3 * near < 0.1 * far) == (last >= 2 * j - 1)
         assert (near < 1.3 * far) == (last >= 2 * j)
+
+
+@pytest.mark.parametrize("d", [1, 2, 3, 5])
+@pytest.mark.parametrize("k", range(4))
+def test_radial_derivatives_of_compact_support_are_zero_from_its_end_on(d, k):
+    """Also those that jump there, of (1 - r)^l the l-th."""
+    for times in range(5):
+        values = radial_derivative(wendland(d, k, 0.5), np.array([0.25, 0.26, 4.0]), times)
+        assert_close(values, np.zeros(3), 0.0)
 
 
 # --- laws -----------------------------------------------------------------------------------------

@@ -53,6 +53,13 @@ def test_the_normal_equations_agree_near_the_origin(degree):
     assert_close(method.coefficients(VALUES), c, 1e-6)
 
 
+def test_data_that_are_zero_have_coefficients_and_an_objective_of_zero():
+    """Neither loses digits, nor has squares too small for numbers."""
+    method = LeastSquares(POINTS, 3)
+    assert not method.coefficients(np.zeros((30, 2))).any()
+    assert not method.objective(np.zeros((30, 2))).any()
+
+
 def test_the_matrix_has_the_squared_condition_number():
     """cond(BᵀB) = cond(B)²."""
     h = LeastSquares(POINTS, 2).matrix()
@@ -201,8 +208,9 @@ def test_coefficients_that_cancel_are_refused():
     f = Chebyshev.basis(degree)(points[:, 0])
     m = LeastSquares(points, 15)
     assert_close(monomials(points, 15) @ m.coefficients(f), m.field(f)(points), 1e-9)
-    with refused("degree 40 are so large that they cancel: .* field", np.linalg.LinAlgError):
-        LeastSquares(points, degree).coefficients(f)
+    for unit in (1.0, 1e-30):
+        with refused("degree 40 are so large that they cancel: .* field", np.linalg.LinAlgError):
+            LeastSquares(points, degree).coefficients(unit * f)
 
 
 def test_a_degree_that_is_too_high_is_refused_and_the_highest_is_named():

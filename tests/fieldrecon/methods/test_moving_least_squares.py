@@ -642,6 +642,13 @@ def test_points_on_a_line_are_refused_before_any_query():
         MovingLeastSquares(np.outer(np.arange(9.0), [1, 2]), inverse_square(0.1))
 
 
+def test_the_first_query_too_far_away_is_named():
+    """The squares of its distances from the sites are no numbers."""
+    s = MovingLeastSquares(POINTS, inverse_square(0.1)).field(VALUES)
+    with refused(r"the query \(1e\+200, 0\) is too far away", OverflowError):
+        s([[0.5, 0.5], [1e200, 0.0], [0.0, 1e250]])
+
+
 def test_overflow_of_matrix_and_objective_is_refused():
     """H at a site is infinite for ε = 0, and squares overflow in extreme units.
 

@@ -146,6 +146,50 @@ def test_levels_have_decreasing_numbers_of_sites(k):
     assert len(levels[-1].patches) == 1
 
 
+@pytest.mark.parametrize(("each", "halves"), [(9, 1), (10, 1), (11, 2)])
+def test_one_of_at_most_ten_sites_of_a_box_is_on_the_next_level(each, halves):
+    """Boxes of eleven are halved. Here 64 boxes have the same number of sites each."""
+    levels = PartitionOfUnityRBF(halton(64 * each, 2), polyharmonic(1), 0, 3 * each)._levels
+    assert len(levels[1].sites) == 64 * halves
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_site_far_outside_the_box_of_the_chosen_ones_is_chosen_too(axis, side):
+    """On any side, if it is beyond by more than half of the width of the box."""
+    middle, half = np.array([0.5, 12.0]), np.array([2.0, 3.0])
+    for beyond, chosen in ((0.9, []), (1.1, [2])):
+        site = middle + side * (1 + beyond) * half * np.eye(2)[axis]
+        points = np.stack([middle - half, middle + half, site])
+        assert _patches._outliers(points, np.array([0, 1])).tolist() == chosen
+
+
+def test_the_chosen_sites_are_the_nearest_to_the_middles_of_their_boxes():
+    """Whichever place they have in their boxes, and in the order of the sites."""
+    for middle in range(3):
+        order = np.roll([0.0, -1.0, 1.0], middle)
+        points = np.add.outer([0.0, 10.0, 20.0], order).reshape(9, 1)
+        chosen = _patches._thinned(points, np.arange(9).reshape(3, 3))
+        assert_close(points[chosen, 0], [0.0, 10.0, 20.0], 0.0)
+
+
+def test_few_sites_share_a_patch_unless_they_are_narrow_clusters():
+    """At most four times the sites of a patch; three in any case, and twelve for each axis of a
+    coarser level."""
+    even, cluster = halton(90, 2), 1e-6 * halton(90, 2)
+    pairs = np.concatenate([np.add.outer([0.0, 1.0], c) for c in cluster])
+    for points, k, finest, size in (
+        (even[:80], 20, True, 80),
+        (even[:81], 20, True, 20),
+        (cluster[[0, 0, 0, 0, 0]], 3, True, 5),
+        (pairs[:3], 3, True, 3),
+        (pairs[:4], 3, True, 2),
+        (pairs[:24], 20, False, 24),
+        (pairs[:25], 20, False, 12),
+    ):
+        assert _blending._patch_size(points, k, finest) == size
+
+
 def test_levels_of_sites_on_an_axis_are_those_of_one_variable():
     """A coordinate that all sites have in common has no extreme sites."""
     line = np.random.default_rng(4).random((200, 1))
@@ -459,6 +503,17 @@ def test_rounding_of_coordinates_far_from_the_origin_is_no_second_variable():
         assert m.reduced == sum(len(level.patches) for level in m._levels)
         gradient = m.field(t).gradient(np.outer(t[:-1] + np.diff(t) / 2, along) + offset)
         assert_close(gradient @ across, np.zeros(999), 1e-2)
+
+
+def test_patches_grow_to_four_times_their_sites_and_not_into_the_far():
+    """Sites on lines do not determine the polynomials of the plane, however many there are.
+
+    A middle of three equidistant sites is a site. Far ones are a thousand times as far away.
+    """
+    t = np.arange(192.0)[:, None]
+    assert {*PartitionOfUnityRBF(t * [1.0, 2.0], polyharmonic(3), 1, 9).patch_sizes} == {36}
+    lines = np.concatenate([t[:10] * [1.0, 2.0] + far for far in ([0.0, 0.0], [1e6, 0.0])])
+    assert {*PartitionOfUnityRBF(lines, polyharmonic(3), 1, 9).patch_sizes} == {9}
 
 
 def test_patches_on_scan_lines_grow_until_they_are_unisolvent():
