@@ -55,7 +55,7 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class Size:
-    splits: int = 20
+    splits: int = 15
     splits_of_few: int = 40
     """Of surveys of fewer than 1000 samples, whose splits differ more."""
     samples: int = 2500

@@ -30,7 +30,7 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
 from functools import cache
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from pathlib import Path
 from queue import SimpleQueue
 from time import monotonic
@@ -206,7 +206,9 @@ SPARED_ARGUMENTS = {
     *("markersize", "markeredgewidth", "pad", "borderpad", "nbins", "allow_nan"),
 }
 """Guards and permissions to change or share an argument, threads and caches, sizes of marks."""
-SPARED_CALLS = {"rows_of", "rows", "blas_threads_for", "split_progress", "default_rng"}
+SPARED_CALLS = {
+    *("rows_of", "rows", "_chunk_rows", "blas_threads_for", "split_progress", "default_rng"),
+}
 """Calls whose arguments decide how much is done at once, what a bar shows, or which sample."""
 SPARED_FUNCTIONS = {"_chunk_rows", "_weight_chunk_rows"}
 """Functions that say how many rows are computed at once."""
@@ -262,11 +264,34 @@ def spared(tree: ast.Module, chosen: set[str]) -> list[Extent]:
     return extents_of(nodes)
 
 
+STRICTNESS = {
+    f"ReplaceComparisonOperator_{pair}" for pair in ("Lt_LtE", "LtE_Lt", "Gt_GtE", "GtE_Gt")
+}
+
+
+def thresholds(tree: ast.Module) -> list[Extent]:
+    """Return where operators stand between a value and a constant, which it equals by coincidence.
+
+    Constants have names in capitals.
+    """
+    found: list[Extent] = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Compare):
+            sides = [node.left, *node.comparators]
+            found += [
+                ((one.end_lineno, one.end_col_offset), (other.lineno, other.col_offset))
+                for one, other in pairwise(sides)
+                if any(name.isupper() for side in (one, other) for name in names(side))
+            ]
+    return found
+
+
 def mutants_of(path: str, source: str) -> Iterator[Mutant]:
     """Yield the mutants of a file."""
     tree = ast.parse(source)
     extents, left_out = statements(tree), spared(tree, choices(path))
     heads, defaults = signatures(tree)
+    coincidences = thresholds(tree)
     nodes = list(ast_nodes(parso.parse(source)))
 
     def inside(position: Position, places: list[Extent]) -> bool:
@@ -279,7 +304,7 @@ def mutants_of(path: str, source: str) -> Iterator[Mutant]:
     for name, operator in OPERATORS.items():
         positions = (p for node in nodes for p in operator.mutation_positions(node))
         for occurrence, (start, _) in enumerate(positions):
-            if mutable(start):
+            if mutable(start) and not (name in STRICTNESS and inside(start, coincidences)):
                 yield Mutant(path, extents[start[0]], name, occurrence)
 
 
@@ -292,7 +317,17 @@ def drawn(seed: int, count: int) -> list[Mutant]:
             by_statement[path, mutant.statement].append(mutant)
     choice = random.Random(seed)
     some = choice.sample(sorted(by_statement), min(count, len(by_statement)))
-    return [choice.choice(by_statement[key]) for key in some]
+    tried = (choice.sample(by_statement[key], len(by_statement[key])) for key in some)
+    return [mutant for one in tried if (mutant := next(filter(differs, one), None))]
+
+
+def differs(mutant: Mutant) -> bool:
+    """Whether it is another program, and one at all: 1e150 + 1 is 1e150."""
+    source = (ROOT / mutant.path).read_text()
+    try:
+        return ast.dump(ast.parse(mutant.code(source))) != ast.dump(ast.parse(source))
+    except SyntaxError:
+        return False
 
 
 # --- The tests that reach a statement
