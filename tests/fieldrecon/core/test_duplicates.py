@@ -30,8 +30,9 @@ def test_coincident_points_are_named_by_their_indices():
     five = "0 and 1, 0 and 2, 0 and 3, 0 and 4, 0 and 5"
     with pytest.raises(ValueError, match=f"^at {five}!$"):
         refuse_coincident(points, "at {pairs}!")
-    with pytest.raises(ValueError, match=f"^at {five} and 2 more!$"):
-        refuse_coincident(np.vstack([points, points[:2]]), "at {pairs}!")
+    for more in (1, 2):
+        with pytest.raises(ValueError, match=f"^at {five} and {more} more!$"):
+            refuse_coincident(np.vstack([points, points[:more]]), "at {pairs}!")
     with pytest.raises(ValueError, match=r"^at 3 and 5!$"):
         refuse_coincident(points, "at {pairs}!", np.array([3, 5, 6]))
     refuse_coincident(points, "at {pairs}!", np.array([3, 6]))

@@ -36,3 +36,27 @@ def test_the_core_of_openblas_is_that_of_the_library_in_the_wheel(package):
         core = next(getattr(names, name) for name in every if hasattr(names, name))
         core.restype = ctypes.c_char_p
         assert blas_cores()[package] == core().decode()
+
+
+@pytest.mark.parametrize(
+    ("found", "cores"),
+    [
+        ([("openblas", "/usr/lib/libopenblas.so.0", "Zen")], ("Zen", "Zen")),
+        ([("mkl", "/usr/lib/libmkl_rt.so.2", "Zen")], ("", "")),
+        (
+            [
+                ("mkl", "/env/numpy.libs/libmkl_rt.so.2", "SkylakeX"),
+                ("openblas", "/env/scipy.libs/libscipy_openblas.so", "Haswell"),
+                ("openblas", "/env/numpy.libs/libscipy_openblas64_.so", "Zen"),
+            ],
+            ("Zen", "Haswell"),
+        ),
+    ],
+    ids=["system", "another BLAS", "wheels"],
+)
+def test_an_openblas_of_the_system_serves_both_packages(monkeypatch, found, cores):
+    """Those in the wheels serve one each."""
+    keys = ("internal_api", "filepath", "architecture")
+    libraries = [dict(zip(keys, one, strict=True)) for one in found]
+    monkeypatch.setattr("threadpoolctl.threadpool_info", lambda: libraries)
+    assert blas_cores() == dict(zip(("NumPy", "SciPy"), cores, strict=True))

@@ -135,18 +135,27 @@ def test_tables_are_read_as_clouds(tmp_path, suffix):
             assert (read_cloud(path).normals is not None) == normals
 
 
-def test_non_finite_points_are_skipped_and_reported(tmp_path):
+@pytest.mark.parametrize(
+    ("rows", "points", "lines"),
+    [
+        ([3], "1 point has coordinates that are not finite, and was", "1 row was"),
+        ([3, 5], "2 points have coordinates that are not finite, and were", "2 rows were"),
+    ],
+)
+def test_non_finite_points_are_skipped_and_reported(tmp_path, rows, points, lines):
     """In a binary file their triangles are removed too; in a text the line is reported."""
     bad = POINTS.copy()
-    bad[3, 1] = np.nan
+    bad[rows, 1] = np.nan
     path = tmp_path / "cloud.ply"
     path.write_bytes(ply("binary_little_endian", points=bad, faces=TRIANGLES.tolist()))
     cloud = read_cloud(path)
-    assert len(cloud.points) == len(POINTS) - 1
-    assert len(cloud.triangles) == (TRIANGLES != 3).all(axis=1).sum()
-    assert "1 point has coordinates that are not finite" in cloud.warnings[0]
+    np.testing.assert_array_equal(cloud.points, np.delete(POINTS, rows, axis=0))
+    kept = TRIANGLES[~np.isin(TRIANGLES, rows).any(axis=1)]
+    np.testing.assert_array_equal(cloud.points[cloud.triangles], POINTS[kept])
+    assert cloud.warnings == (f"{points} skipped.",)
     np.savetxt(tmp_path / "cloud.xyz", bad)
-    assert "line 4: y must be a finite number" in read_cloud(tmp_path / "cloud.xyz").warnings[0]
+    (warning,) = read_cloud(tmp_path / "cloud.xyz").warnings
+    assert warning.startswith(f"{lines} skipped; the first, line 4: y must be a finite number")
 
 
 def test_points_of_a_vtk_file_are_read_with_their_normals(tmp_path):

@@ -228,6 +228,7 @@ def test_faces_are_named_by_the_number_of_their_corners():
             "holds no mesh: cells must not be flat; cell 0 is",
         ),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", r"holds no mesh: .* cells\[0, 2\] is 3"),
+        ("v 0 0 7\nf 1 1 1\n", r"holds no mesh: cells must have distinct vertices; cells\[0\] is"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "holds points only; triangles or"),
     ],
 )

@@ -218,6 +218,15 @@ def test_target_tables_need_the_columns_of_the_samples(tmp_path):
         targets_of_table(path, ("x", "y", "z"))
 
 
+def test_targets_on_the_globe_reach_to_the_poles(tmp_path):
+    """Beyond them there is no latitude; a longitude is any finite number."""
+    path = tmp_path / "at.csv"
+    path.write_text("lon,lat\n0,90\n-1e3,-90\n7,90.001\n8,-90.001\n")
+    targets = targets_of_table(path, ("lon", "lat"), lonlat=True)
+    assert targets.points.tolist() == [[0, 90], [-1000, -90]]
+    assert [row.row for row in targets.bad] == [2, 3]
+
+
 def test_npz_files_keep_the_rows_of_a_table_of_targets(tmp_path):
     """Two values at each target: in a bad row, both are missing."""
     path = tmp_path / "at.csv"

@@ -5,8 +5,9 @@ A law is a function of a mesh, so that it can be applied to broken meshes, which
 
 import math
 import pickle
+import re
 from fractions import Fraction
-from itertools import combinations, pairwise, permutations
+from itertools import combinations, pairwise, permutations, product
 
 import numpy as np
 import pytest
@@ -927,6 +928,44 @@ def test_cells_fill_a_needle(width):
     assert float(exact_volume(cloud, mesh.cells) / whole) == pytest.approx(1, rel=1e-9)
 
 
+@pytest.mark.parametrize("seed", [2, 8, 25, 46])
+def test_four_points_in_space_are_one_cell(seed):
+    """On a needle so thin that Qhull's rounding joins them with its point at infinity."""
+    rng = np.random.default_rng(seed)
+    corners = rng.random((4, 3)) * 1e-13 + rng.integers(0, 3, (4, 1))
+    assert np.sort(delaunay.delaunay_cells(corners)).tolist() == [[0, 1, 2, 3]]
+
+
+@pytest.mark.parametrize("more", [1, 7])
+@pytest.mark.parametrize("d", [2, 3])
+def test_the_cells_of_a_thin_cloud_are_certain_and_have_all_points(d, more):
+    """Where a cell of unknown sign cannot be left out there are none; Qhull returns this cell."""
+    meshes, n = 0, d + more
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        cloud = rng.random((n, d)) * [*[1.0] * (d - 1), 10.0 ** rng.uniform(-16, -12)]
+        try:
+            cells = delaunay.delaunay_cells(cloud)
+        except np.linalg.LinAlgError:
+            continue
+        meshes += 1
+        assert np.unique(cells).tolist() == [*range(n)]
+        assert not signed_volumes(cloud[cells])[2].any()
+    assert 5 < meshes < 25
+
+
+@pytest.mark.parametrize("seed", [9, 11, 25])
+def test_broken_ties_give_a_mesh_where_exact_ones_do_not(seed):
+    """The corners of a cube, each with a neighbour within 1e-13: twice eight points on a sphere."""
+    corners = np.indices((2, 2, 2)).reshape(3, -1).T * 1.0
+    close = corners + 1e-14 * np.random.default_rng(seed).standard_normal((8, 3))
+    cloud = np.unique(np.concatenate([corners, close]), axis=0)
+    cells = delaunay.delaunay_cells(cloud, by_exact_signs=True)
+    assert np.unique(cells).tolist() == [*range(len(cloud))]
+    assert not signed_volumes(cloud[cells])[2].any()
+    assert float(exact_volume(cloud, cells)) == pytest.approx(1, rel=1e-9)
+
+
 @pytest.mark.parametrize("long", [1.0, 1e-8])
 def test_a_cell_is_flat_if_a_step_of_its_corners_inverts_it(long):
     """A corner at the height h over the others, which a step of h / 2 of each corner can invert."""
@@ -1000,6 +1039,30 @@ def test_points_without_a_mesh_are_refused(points, error, words):
     """The message names the points."""
     with pytest.raises(error, match=words):
         SimplexMesh.delaunay(points)
+
+
+@pytest.mark.parametrize("above", [[], [[0.5, 1e3]]], ids=["at the hull", "inside"])
+def test_points_of_a_cell_of_unknown_sign_that_cannot_be_left_out_are_named(above):
+    """A point rises over an edge by a few roundings, and is in no other cell, or has cells above.
+
+    The circle through the three points is so large that the cell below ends far away.
+    """
+    edge = [[0, 0], [1, 0], [0.5, 1.7e-15]]
+    points = np.array([*edge, [0.5, -1.6e14], *above])
+    for signs in product((1, -1), repeat=2):
+        for turned in (points * signs, points[:, ::-1] * signs):
+            with pytest.raises(np.linalg.LinAlgError, match="so nearly on one line that") as error:
+                delaunay.delaunay_cells(turned)
+            named = re.search(r"the points \[(.*)\] lie", str(error.value)).group(1)
+            assert sorted(map(int, named.split(","))) == [0, 1, 2]
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_points_on_one_line_or_plane_have_no_exact_cells(d):
+    """The arrays of cells and of neighbours have no rows, and a column for each corner."""
+    flat = np.pad(random_points(d - 1)[:9], ((0, 0), (0, 1)))
+    cells, neighbors = exact_delaunay_cells(flat)
+    assert cells.shape == neighbors.shape == (0, d + 1)
 
 
 @pytest.mark.parametrize("name", ["random 2-D", "random 3-D"])

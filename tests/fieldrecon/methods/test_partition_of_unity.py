@@ -82,6 +82,29 @@ def test_boxes_contain_each_site_once_in_nearly_equal_numbers(n, d):
         assert halved(rows, x.T[:, rows])[0] == np.ptp(x, axis=0).argmax()
 
 
+@pytest.mark.parametrize("n", [1, 9, 90])
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_a_ball_reaches_into_the_boxes_that_are_no_farther_than_its_radius(d, n):
+    """In ascending order, also where balls touch boxes, as many do about nodes of a lattice.
+
+    A box ends at the cuts that made it, or nowhere.
+    """
+    rng = np.random.default_rng(n)
+    boxes = KDPartition.around(rng.integers(0, 9, (200, d)) * 1.0, 6.5)
+    ends = [-np.inf, *boxes.slabs, np.inf]
+    low, high = (np.tile(side * np.inf, (len(ends) - 1, d)) for side in (-1, 1))
+    low[:, boxes.across], high[:, boxes.across] = ends[:-1], ends[1:]
+    for axis, cut in boxes.halvings:
+        low, high = np.repeat(low, 2, axis=0), np.repeat(high, 2, axis=0)
+        box = np.arange(len(cut))
+        low[2 * box + 1, axis] = high[2 * box, axis] = cut
+    centers, radii = rng.integers(0, 18, (n, d)) / 2, rng.integers(1, 6, n) / 2
+    away = np.maximum(np.maximum(low[:, None] - centers, centers - high[:, None]), 0)
+    balls = [np.flatnonzero(row).tolist() for row in (away**2).sum(axis=2) <= radii**2]
+    ball, start = boxes.reached(centers, radii)
+    assert [part.tolist() for part in np.split(ball, start[1:-1])] == balls
+
+
 @pytest.mark.slow
 @settings(max_examples=40)
 @given(st.integers(1, 4), st.integers(0, 10**6), st.booleans())

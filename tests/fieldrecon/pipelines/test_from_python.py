@@ -106,6 +106,16 @@ def test_the_variables_of_a_grid_are_samples_at_its_nodes():
         plane(heights.expand_dims(time=2))
 
 
+def test_the_coordinates_of_a_grid_may_be_variables_of_one_dimension_each():
+    """They are not marked as coordinates; a row is a combination of the dimensions of all."""
+    x, y = np.linspace(0, 1, 7), np.linspace(2, 0, 5)
+    plane_at_nodes = x[:, None] + 2 * y
+    data = xr.Dataset({"x": ("i", x), "y": ("j", y), "height": (("i", "j"), plane_at_nodes)})
+    read = as_source(data).read(["x", "y", "height"])
+    nodes = [np.repeat(x, 5), np.tile(y, 7), plane_at_nodes.ravel()]
+    assert sorted(zip(*read, strict=True)) == sorted(zip(*nodes, strict=True))
+
+
 def test_the_only_variable_of_a_data_set_is_the_value():
     """Words and single numbers are no variables; of two variables neither is taken unasked."""
     variables = {"rate": ("point", PLANE), "station": ("point", ["a"] * 60), "grid": 0}
