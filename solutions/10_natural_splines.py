@@ -325,8 +325,9 @@ check("10.3")
 # ### 10.4 The pieces
 #
 # Write a function that evaluates the spline at any points, in any order, also where the sites are
-# far from the origin. Use (10.6) on the interval of each point. Outside, use the tangents at the
-# first and the last site. The argument `M` contains the moments of the spline through the values.
+# far from the origin, some $10^4$ times as far as from each other. Use (10.6) on the interval of
+# each point. Outside, use the tangents at the first and the last site. The argument `M` contains
+# the moments of the spline through the values.
 #
 # <details><summary>Hint</summary>
 #
