@@ -225,8 +225,8 @@ def not_centred(points):
 
 @answers("01.4")
 def rounding_counted(points):
-    """Rounding errors in points far from the origin are counted as a direction. Is the mean of each
-    coordinate subtracted, and is `tol` relative to the extent of the points?
+    """Deviations of 10⁻¹² of the extent, as rounding errors may be, are counted as a direction. Is
+    one of the points, or their mean, subtracted, and is `tol` relative to the extent?
     """
     return np.linalg.matrix_rank(basis(points - points.mean(axis=0)))
 

@@ -188,7 +188,8 @@ def _form(question: Question, call: Call, outcome: Outcome) -> Iterator[tuple[Fi
     elif outcome.status == "raised":
         place = f" It arises in {outcome.line}." if outcome.line else ""
         advice = next((text for words, text in ADVICE.items() if words in outcome.error), "")
-        yield "exception", f"For {call.case}, {name} stops with {outcome.error}.{place}{advice}"
+        error = outcome.error.removesuffix(".")
+        yield "exception", f"For {call.case}, {name} stops with {error}.{place}{advice}"
     elif outcome.status == "timed out":
         yield "endless", f"For {call.case}, {name} was stopped after {outcome.seconds:.0f} seconds."
     elif outcome.values is None:
@@ -406,7 +407,8 @@ def _difference(
     entry = _entry(units[part], part, len(units), open_order)
     if np.isclose(off, 1) and are_truth_values(answers):
         return f"For {call.case}, {entry} {_of_two(compared.flat[int(np.argmax(units[part]))])}."
-    text = f"For {call.case}, {entry} is off by {off:.2g}."
+    size = f"{off:.2g}" if np.isfinite(off) else "more than 10²⁹⁰ times the largest right value"
+    text = f"For {call.case}, {entry} is off by {size}."
     if all(are_whole(values[part]) for values in answers):
         which = "All right values here" if len(units) == 1 else "All right values of this array"
         return f"{text} {which} are whole numbers."

@@ -459,7 +459,16 @@ def _positions(wrong: Sequence[Case]) -> str:
     if len(wrong[0].right) > 1:
         return ""
     each = [_statements(case.differ(case.values[0], case.right[0])) for case in wrong]
-    return next((s for s in each[0] if all(s in others for others in each)), "")
+    sentence = next((s for s in each[0] if all(s in others for others in each)), "")
+    is_by_size = sentence.endswith("right.") and not all(map(_right_by_themselves, wrong))
+    return "" if is_by_size else sentence
+
+
+def _right_by_themselves(case: Case) -> bool:
+    """Return whether the entries that count as right are so beside smaller ones, too."""
+    (v,), (r,) = case.values, case.right
+    right = ~case.differ(v, r)
+    return case.same(v[right], r[right])
 
 
 def _statements(wrong: np.ndarray) -> list[str]:

@@ -40,7 +40,7 @@ def errors_inputs(seed: int) -> tuple[Call, ...]:
         ((points, queries, 3, 0.05), "n = 3"),
         (
             (twice(points[:30] - 0.4, 3), random.random((25, 2)) - 0.4, 5, 0.3),
-            "thirty points, three of them twice, twenty-five evaluation points and n = 5",
+            "thirty points around the origin, three of them twice, and n = 5",
         ),
         ((points[:15], queries[:1], 3, 0.2), "fifteen points, one evaluation point and n = 3"),
         ((integers(points[:30], 6), 6 * queries, 2, 1.2), "thirty points, integers, and n = 2"),

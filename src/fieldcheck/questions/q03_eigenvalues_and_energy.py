@@ -134,8 +134,8 @@ def few_or_many(random: np.random.Generator) -> tuple[Call, ...]:
 
 
 @law(
-    "The three numbers must add up to the number of rows. Since the diagonal is zero, the sum of "
-    "the eigenvalues is zero, so both signs must occur."
+    "The three numbers must add up to the number of rows of H_RBF, which is N + D + 1. Since the "
+    "diagonal is zero, the sum of the eigenvalues is zero, so both signs must occur."
 )
 def counts_all_and_both_signs(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the number of eigenvalues that are not counted, or one if a sign is missing."""

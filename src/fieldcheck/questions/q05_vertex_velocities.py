@@ -343,17 +343,17 @@ def uneven_strip(random: np.random.Generator, n: int) -> tuple[np.ndarray, np.nd
 
 
 def nearly_on_two_lines(
-    random: np.random.Generator, height: float
+    random: np.random.Generator, height: float, hub: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return a fan of four triangles whose points are on two lines, up to a height.
+    """Return a fan of four triangles about a vertex, whose points are on two lines up to a height.
 
-    Two lines are a conic through all six points, so the smallest singular value of the first
-    vertex is about 0.4 times the height.
+    Two lines are a conic through all six points, so the smallest singular value of this vertex is
+    about 0.4 times the height.
     """
     along = np.array([0, -1, -1, 0, 1, 1]) + random.uniform(-0.1, 0.1, 6)
     axes = directions(random.uniform(0, 2 * np.pi) + np.array([0, np.pi / 2]))
     points = np.column_stack([along, [0, 0, 1, 1 + height, 1, 0]]) @ axes
-    return points, np.array([[0, k, k + 1] for k in range(1, 5)])
+    return np.roll(points, hub, axis=0), (np.add([[0, k, k + 1] for k in range(1, 5)], hub)) % 6
 
 
 def ranks_inputs(seed: int) -> tuple[Call, ...]:
@@ -385,9 +385,9 @@ def ranks_inputs(seed: int) -> tuple[Call, ...]:
             ((*with_a_tiny_part(random, 1e-4), 2), "two rings of a mesh and of a tiny one"),
             *(
                 ((unit * points, cells, 1), f"a fan of points within {height} of two lines{where}")
-                for height, size in (("10⁻⁴", 1e-4), ("10⁻⁷", 1e-7), ("10⁻⁸", 1e-8))
-                for unit, where in ((1.0, ""), (1e3, ", all lengths times a thousand"))
-                for points, cells in [nearly_on_two_lines(random, size)]
+                for k, (height, size) in enumerate((("10⁻⁴", 1e-4), ("10⁻⁷", 1e-7), ("10⁻⁸", 1e-8)))
+                for n, unit, where in ((0, 1.0, ""), (3, 1e3, ", all lengths times a thousand"))
+                for points, cells in [nearly_on_two_lines(random, size, k + n)]
             ),
         ),
         Call("ranks", (regular.astype(int), squares, 1), "a regular grid of integers", (0,)),

@@ -262,7 +262,7 @@ def coordinates_inputs(seed: int) -> tuple[Call, ...]:
         larger = (*enlarged((center, rim, corners)), x)
         calls.append(Call("coordinates", larger, f"{call.case}, the same points in a larger cell"))
     for n, m, case in (
-        (3, 69, "69 points in a cell of three neighbours"),
+        (5, 69, "69 points in a cell of five neighbours"),
         (43, 2, "two points in a cell of 43 neighbours"),
     ):
         center, rim, corners = star(random, n)

@@ -19,9 +19,9 @@ from fieldcheck.simplices import (
 )
 
 
-def moved(points: np.ndarray) -> np.ndarray:
-    """Return rounded points 10⁴ away: their differences are exact."""
-    return in_short_binary_numbers(points) + 2.0**14 * np.array([1, -1, 1])
+def moved(points: np.ndarray, distance: float = 2.0**14) -> np.ndarray:
+    """Return rounded points 10⁴ away, or as far as given: their differences are exact."""
+    return in_short_binary_numbers(points) + distance * np.array([1, -1, 1])
 
 
 # 08.1 and 08.2 Tetrahedra

@@ -215,8 +215,8 @@ def heights_inputs(seed: int) -> tuple[Call, ...]:
         *more_heights(random, center, neighbors, corners),
     )
     away = tuple(
-        Call("heights", (moved(center), moved(neighbors), moved(x)), case, exact=(0, 1, 2))
-        for x, case in ((inside, "four points, 10⁴ away"), (corners, "eight corners, 10⁴ away"))
+        Call("heights", tuple(moved(p, 2.0**17) for p in (center, neighbors, x)), case, (0, 1, 2))
+        for x, case in ((inside, "four points, 10⁵ away"), (corners, "eight corners, 10⁵ away"))
     )
     beside = tuple(
         Call(

@@ -265,7 +265,7 @@ def newton_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     plane, space = body(random, 2, 5), body(random, 3, 4)
     x = near_diagonals(random, 6, 2)
-    long = in_another_unit(2.0**10, 0.6 * x, *plane)
+    long = of_the_size(2.0**10, 0.6 * x, *plane)
     return calls_of(
         "to_surface",
         ((x, *plane, 5), "five steps in the plane"),

@@ -166,6 +166,8 @@ def mass_inputs(seed: int) -> tuple[Call, ...]:
     more, less = float(m @ (0.3 * u + 0.7 * high)), float(m @ (0.25 * u + 0.75 * low))
     outside = np.clip(u, -0.5, 0.5)
     beyond = u + np.array([1.0, -1, 0, 0, 0, 0, 0, 0]) / m
+    apart = u[:3] + np.array([0.0, 10, 0])
+    near, far = apart - np.array([1.0, 30, 40]), apart + np.array([40.0, -9, 50])
     whole, areas = random.integers(-20, 21, 7), random.integers(1, 9, 7)
     name = "with_mass"
     return calls_of(
@@ -174,6 +176,10 @@ def mass_inputs(seed: int) -> tuple[Call, ...]:
         ((u - 5, low - 5, high - 5, m, more - 5 * float(m.sum())), "a mass that must grow"),
         ((u + 5, low + 5, high + 5, m, less + 5 * float(m.sum())), "a mass that must shrink"),
         ((u, outside - 0.2, outside + 0.2, m, float(m @ outside)), "values beyond their bounds"),
+        (
+            (apart, near, far, m[:3], float(m[:3] @ apart - 8.9 * m[1])),
+            "one value far above its bounds, two far from theirs",
+        ),
         ((u, low, high, m, float(m @ u)), "a mass that is right already"),
         (
             (beyond, u - 0.3, u + 0.3, m, float(m @ beyond)),
