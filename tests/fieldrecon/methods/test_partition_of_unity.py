@@ -587,6 +587,18 @@ def test_invalid_arguments_are_refused(options, words):
         PartitionOfUnityRBF(X, **options)
 
 
+@pytest.mark.parametrize("copies", [2, 39, 40])
+@pytest.mark.parametrize("d", [2, 3])
+def test_polynomials_are_reproduced_at_as_many_coincident_sites_as_a_patch_has(d, copies):
+    """They alone determine the constant only; the patch gets the next sites, too."""
+    points = halton(300, d)
+    points = np.concatenate([points, np.repeat(points[7:8], copies - 1, axis=0)])
+    method = PartitionOfUnityRBF(points, polyharmonic(3), 1, 40, smoothing=1e-6)
+    plane = 2 + points @ np.arange(1.0, d + 1)
+    assert method.degree == 1
+    assert_close(method.field(plane)(points), plane, 1e-12)
+
+
 def test_coincident_sites_are_named():
     """With smoothing they are accepted, but not more of them than the sites of a patch."""
     x = np.concatenate([X, X[[3, 17]]])

@@ -169,7 +169,8 @@ def systems_of(
         distance, wider = tree.query(
             patches.centers[rest[grows]], [sites.shape[1], *range(1, 1 + more)]
         )
-        beside = distance[:, -1] <= APART * distance[:, 0]
+        own, next_ones = distance.T[[0, -1]]
+        beside = (own == 0) | (next_ones <= APART * own)  # coincident sites have no size
         grows, wider = grows[beside], wider[beside, 1:]
         stays = np.ones_like(doubt)
         stays[grows] = False
