@@ -48,7 +48,7 @@ class Variogram:
 
     @property
     def levels_off(self) -> bool:
-        """Whether the range is less than the distances of the samples."""
+        """Whether the range is at most the largest distance of samples that are compared."""
         return bool(self.range <= self.distances.max())
 
     @property
