@@ -34,7 +34,10 @@ from fieldrecon.methods.partition_of_unity.batched_systems import (
     solved,
 )
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
-from fieldrecon.methods.partition_of_unity.polynomial_rank import orthonormal_basis
+from fieldrecon.methods.partition_of_unity.polynomial_rank import (
+    orthonormal_basis,
+    whole_degrees,
+)
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.polynomials import dimension, monomials
 from fieldrecon.selection.leaving_one_out import leave_one_out
@@ -585,6 +588,16 @@ def test_invalid_arguments_are_refused(options, words):
     """The message names the argument, what was wanted, and what came."""
     with pytest.raises(ValueError, match=words):
         PartitionOfUnityRBF(X, **options)
+
+
+def test_the_whole_degrees_are_those_of_which_no_polynomial_is_missing():
+    """In any patch: a constant that is missing leaves no degree, whatever else is there."""
+    there = np.tile(np.eye(6), (2, 1, 1))
+    for missing, degree in ((None, 2), (5, 1), (3, 1), (2, 0), (1, 0), (0, -1)):
+        basis = there.copy()
+        if missing is not None:
+            basis[1, :, missing] = 0
+        assert whole_degrees(basis, 2, 2) == degree
 
 
 @pytest.mark.parametrize("copies", [2, 39, 40])

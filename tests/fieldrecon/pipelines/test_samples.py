@@ -607,7 +607,9 @@ def test_collinear_and_coplanar_samples_are_refused(offset, directions, words):
     ("scales", "divided"), [([1e9, 1], "x"), ([1, 1e12], "y"), ([1e-7, 1e5], "y")]
 )
 def test_the_remedy_for_different_units_makes_the_samples_acceptable(scales, divided):
-    """Points on a line in any units, such as (1, 2) t, have no such remedy."""
+    """The extents are equal up to half a power of ten. Points on a line in any units, such as
+    (1, 2) t, have no such remedy.
+    """
 
     def refused(points):
         with pytest.raises(np.linalg.LinAlgError) as caught:
@@ -620,6 +622,7 @@ def test_the_remedy_for_different_units_makes_the_samples_acceptable(scales, div
     assert name == divided
     points[:, "xy".index(name)] /= float(factor)
     refuse_flat(Samples(("x", "y", "v"), points, points[:, 0]))
+    assert abs(np.log10(np.ptp(points, axis=0)) @ [1, -1]) < 0.51
     line = np.outer(uniform(50, 1, seed=0), [1.0, 2.0])
     for flat in (line * scales, line * [1, 0] + [0, 1 / 3]):
         assert "units differ" not in refused(flat)
