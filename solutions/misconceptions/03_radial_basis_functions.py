@@ -603,7 +603,7 @@ def square_not_differentiated(points, lam, c, x):
 @answers("03.6")
 def inner_two_forgotten(points, lam, c, x):
     """The kernels contribute half of what they must. The factor 2 from the derivative of the
-    squared length is missing, or the logarithm is that of the length, not of its square.
+    squared length is missing, or the logarithm of the length stands in place of that of its square.
     """
     y = offsets(x, points)
     return summed(1 + logarithm(y), lam, c, y)

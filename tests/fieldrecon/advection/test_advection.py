@@ -461,8 +461,9 @@ def test_the_extreme_masses_determine_the_values(end):
 
 
 def test_the_velocity_between_snapshots_is_linear_in_time():
-    """At the time of a snapshot it is that of the snapshot; before the first and after the last
-    one there is none."""
+    """At the time of a snapshot it is the velocity in this snapshot. Before the first snapshot and
+    after the last one there is none.
+    """
     times, rng = [2.0, 3.0, 5.0, 9.0], np.random.default_rng(0)
     values, method = rng.normal(size=(4, 2)), LeastSquares(np.eye(2), degree=0)
     wind = Snapshots(times, [method.field(np.tile(v, (2, 1))) for v in values])
