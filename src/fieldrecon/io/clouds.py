@@ -185,11 +185,10 @@ def _with_normals(cloud: Cloud) -> Cloud:
         return cloud
     if not len(cloud.triangles):
         return replace(cloud, normals=None)
-    p = cloud.points - cloud.points.mean(axis=0)
-    a, b, c = p[cloud.triangles].swapaxes(0, 1)
-    area = triangle_normals(a, b, c)
+    area = triangle_normals(*cloud.points[cloud.triangles].swapaxes(0, 1))
+    n = len(cloud.points)
     normals = np.stack(
-        [np.bincount(cloud.triangles.ravel(), np.repeat(column, 3), len(p)) for column in area.T],
+        [np.bincount(cloud.triangles.ravel(), np.repeat(column, 3), n) for column in area.T],
         axis=1,
     )
     return replace(cloud, normals=normals, normals_of="triangles in the file")

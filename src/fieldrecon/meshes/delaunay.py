@@ -23,6 +23,9 @@ _TIE = 1e-5
 _VIOLATION = 1e-3
 """Relative violation of the empty sphere that rounding of points of one scale does not reach."""
 
+_THIN = 1e-10
+"""Thickness in extents up to which Qhull's rounding hides cells at the hull: some 1e-9 of it."""
+
 _CRACK = 1e-7
 """Relative excess of the boundary over the hull that rounding explains."""
 
@@ -37,7 +40,8 @@ def delaunay_cells(points: np.ndarray, by_exact_signs: bool = False) -> np.ndarr
     """Vertices (c, d + 1) of the Delaunay cells of points (n, d), d = 2 or 3.
 
     Cells at the hull that are flat within the rounding of the coordinates are left out. Exact signs
-    decide where Qhull's rounding loses a point, or everywhere if this is asked for.
+    decide where Qhull's rounding loses a point or a part of the volume, or everywhere if this is
+    asked for.
 
     Raises
     ------
@@ -51,7 +55,7 @@ def delaunay_cells(points: np.ndarray, by_exact_signs: bool = False) -> np.ndarr
     _refuse_too_few(points)
     refuse_coincident(points, "points must be distinct; these coincide: {pairs}")
     local = _in_local_frame(points)
-    if by_exact_signs:
+    if by_exact_signs or _is_thin(local):
         return _cells_by_exact_signs(points)
     try:
         cells = _cells_without_flat_ones(points, local)
@@ -126,6 +130,12 @@ def _in_local_frame(points: np.ndarray) -> np.ndarray:
     if not np.isfinite(extent) or not np.isfinite(offsets).all():
         raise OverflowError("the extent of the points exceeds the range of floating-point numbers")
     return offsets / extent
+
+
+def _is_thin(local: np.ndarray) -> bool:
+    """Whether the points are so near to a line or plane that cells may be lost unnoticed."""
+    sizes = np.linalg.svd(local, compute_uv=False)
+    return bool(sizes[-1] < _THIN * sizes[0])
 
 
 def _cells_without_flat_ones(points: np.ndarray, local: np.ndarray) -> np.ndarray:

@@ -62,7 +62,7 @@ DOMINATED = 1.2
 NEARLY = 1.02
 """Of several paths of variants, the first is taken whose error is at most this times the least."""
 FINALISTS = 3
-"""Largest number of models that are compared on all folds, besides the most cautious one."""
+"""Largest number of models that are compared on all folds, besides the most cautious ones."""
 AMPLIFIED, GAIN_QUERIES = 3.0, 200
 """Ratio of the noise gains at queries and held-out samples beyond which a model is refused, and the
 number of queries at which it is computed."""
@@ -155,7 +155,7 @@ class CrossValidator:
     ) -> list[ModelScore]:
         """Scores of the models: all on the first folds, and those near the best on all folds.
 
-        The most cautious model is compared on all folds, too: on the first ones, a model that
+        The most cautious models are compared on all folds, too: on the first ones, a model that
         overshoots in gaps may be the best by chance. So are the parts of a mean, whose residuals
         are known. By the one-standard-error rule, the scores that are level with the best one have
         the `caution` of their models.
@@ -175,7 +175,9 @@ class CrossValidator:
         scores = self._without_amplifiers(scores)
         ranked = sorted((s for s in scores if s.maker), key=lambda score: score.rms)
         near = [s for s in ranked[:FINALISTS] if s.rms <= DOMINATED * ranked[0].rms]
-        near += sorted(ranked, key=lambda score: score.model.caution)[:1]
+        cautious = [score for score in ranked if score.model.caution < np.inf]
+        least = min((score.model.caution for score in cautious), default=0)
+        near += [score for score in cautious if score.model.caution == least]
         parts = {part for score in near if score.maker for part in parts_of_mean(score.maker)}
         near += [score for score in ranked if score.maker in parts]
         final: dict[str, ModelScore] = {}

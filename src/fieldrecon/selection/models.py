@@ -32,11 +32,11 @@ _PATCH_STRENGTHS = (0.0, 0.03, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 _NOISY_PATCH, _CROWDED_PATCH, _WIDE_PATCH = 60, 120, 240
 """Numbers of samples in a patch: of separate samples, at most where many are near-duplicates, and
 beside gaps."""
-CAUTIOUS = ("mean", "linear", "pu1", "smooth", "pu2", "pusmooth")
+CAUTIOUS = (("mean", "linear", "pu1"), ("smooth",), ("pu2",), ("pusmooth",))
 """Names of models, in the order in which they overshoot more and more where samples are few.
 
-The mean of the kernel r and of plates comes first: beside a gap, where one of them is wrong, the
-other one halves its error."""
+The mean of the kernel r and of plates is as safe as the kernel r: beside a gap, where one of them
+is wrong, the other one halves its error."""
 _DUPLICATE, _REPEATED = 1e-3, 32
 """Distance of near-duplicates in units of the mean distance of samples, and the neighbours among
 which a sample has one that is none."""
@@ -77,7 +77,7 @@ class Model:
     @property
     def caution(self) -> float:
         """Place among the `CAUTIOUS` models; infinite for the others."""
-        return CAUTIOUS.index(self.name) if self.name in CAUTIOUS else np.inf
+        return next((k for k, names in enumerate(CAUTIOUS) if self.name in names), np.inf)
 
     def on_tangent_plane(self, pole: np.ndarray) -> Model:
         """The same model for unit vectors of a region, in the plane that touches the globe."""

@@ -394,6 +394,16 @@ def test_of_models_with_level_errors_the_most_cautious_is_chosen():
         assert min(compared, key=lambda score: score.rank).model.name == chosen
 
 
+@pytest.mark.parametrize("pair", [("mean", "pu1"), ("pu1", "mean"), ("linear", "mean")])
+def test_of_equally_cautious_models_the_one_of_less_error_is_chosen(pair):
+    """The mean of the kernel r and of plates is as safe as the kernel r, however small the gain."""
+    wave = np.tile([0.0, 2.0], 50) - 1
+    errors = (np.sqrt(10 + wave), np.sqrt(np.full(100, 10.001)))
+    compared = by_caution([score_of(name, e) for name, e in zip(pair, errors, strict=True)])
+    assert [score.caution for score in compared] == [0, 0]
+    assert min(compared, key=lambda score: score.rank).model.name == pair[0]
+
+
 @pytest.mark.parametrize(
     ("gain", "noise", "chosen"),
     [(0.15, 1.0, "linear"), (0.25, 1.0, "pu"), (8.0, 47.0, "linear"), (8.8, 47.0, "pu")],
