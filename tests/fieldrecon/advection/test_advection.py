@@ -430,7 +430,10 @@ def test_the_projection_to_bounds_and_mass_is_orthogonal():
 
 @pytest.mark.parametrize("share", [1e-4, 0.5, 1 - 1e-4])
 def test_values_and_bounds_with_a_constant_are_projected_to_the_same_with_it(share):
-    """Also a negative one, and totals near the least and the largest; each column by itself."""
+    """Also a negative one, and totals near the least and the largest; each column by itself.
+
+    So are values in another unit.
+    """
     rng, m = np.random.default_rng(2), np.array([1.0, 2.0, 3.0, 0.5])
     u = rng.normal(size=(4, 2))
     low, high = u - rng.random((4, 2)), u + rng.random((4, 2))
@@ -440,19 +443,27 @@ def test_values_and_bounds_with_a_constant_are_projected_to_the_same_with_it(sha
     for c in (-50.0, 50.0):
         moved = project_to_bounds_and_mass(u + c, low + c, high + c, m, total + c * m.sum())
         assert_close(moved, found + c, 1e-12)
+    for unit in (1e-9, 1e9):
+        scaled = project_to_bounds_and_mass(u * unit, low * unit, high * unit, m, total * unit)
+        assert_close(scaled / unit, found, 1e-12)
 
 
+@pytest.mark.parametrize("unit", [1e-8, 1.0, 1e8])
 @pytest.mark.parametrize("end", ["low", "high"])
-def test_the_extreme_masses_determine_the_values(end):
+def test_the_extreme_masses_determine_the_values(end, unit):
     """At the largest or smallest possible total the values are the bounds.
 
-    A total beyond is refused.
+    A total beyond is refused, unless by rounding.
     """
-    u = np.array([[0.3], [0.9], [0.1]])
-    low, high, m = u - 0.1, u + 0.2, np.array([1.0, 2.0, 3.0])
+    u = np.array([[0.3], [0.9], [0.1]]) * unit
+    low, high, m = u - 0.1 * unit, u + 0.2 * unit, np.array([0.1, 0.2, 0.3])
     edge = {"low": low, "high": high}[end]
-    assert_close(project_to_bounds_and_mass(u, low, high, m, m @ edge), edge, 1e-9)
-    beyond = m @ edge + (1 if end == "high" else -1)
+    for rounding in (-1e-13, 0.0, 1e-13):
+        found = project_to_bounds_and_mass(u, low, high, m, m @ edge * (1 + rounding))
+        assert_close(found / unit, edge / unit, 1e-9)
+    for one in (u, 0 * u):  # nothing to choose
+        assert_close(project_to_bounds_and_mass(one, one, one, m, m @ one), one, 0.0)
+    beyond = m @ edge * (1 + 1e-9 if end == "high" else 1 - 1e-9)
     with pytest.raises(
         ValueError,
         match=r"cannot be .* within the bounds of neighbouring values",
@@ -468,10 +479,10 @@ def test_the_velocity_between_snapshots_is_linear_in_time():
     values, method = rng.normal(size=(4, 2)), LeastSquares(np.eye(2), degree=0)
     wind = Snapshots(times, [method.field(np.tile(v, (2, 1))) for v in values])
     x = np.array([[0.3, 0.7]])
-    for t in (*times, 2.3, 3.1, 4.9, 6.0, 8.5, 2.0 - 6e-9, 9.0 + 6e-9):
+    for t in (*times, 2.3, 3.1, 4.9, 6.0, 8.5, 2.0 - 6.5e-9, 9.0 + 6.5e-9):
         expected = [np.interp(t, times, component) for component in values.T]
         assert_close(wind(x, t)[0], np.array(expected), 1e-7)
-    for t in (2.0 - 9e-9, 9.0 + 9e-9):
+    for t in (2.0 - 7.5e-9, 9.0 + 7.5e-9):
         with pytest.raises(ValueError, match=r"lies outside the snapshots, 2\.0 to 9\.0"):
             wind(x, t)
     pair = Snapshots(times[:2], wind.fields[:2])
