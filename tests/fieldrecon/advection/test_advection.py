@@ -507,6 +507,14 @@ def test_in_a_wind_that_grows_linearly_the_times_of_entry_are_exact():
     assert not len(entries(edge, edge, lambda y, _: 0 * y, t, dt, flow).which)
 
 
+def test_the_first_state_is_that_which_is_given():
+    """With no further time it is the only one."""
+    x = disc(60)
+    (only,) = semi_lagrangian(LeastSquares(x), hill(x), rotation, [2.5])
+    assert only.time == 2.5
+    assert np.array_equal(only.values, hill(x))
+
+
 # --- refusals -------------------------------------------------------------------------------------
 
 
@@ -515,6 +523,9 @@ def test_in_a_wind_that_grows_linearly_the_times_of_entry_are_exact():
     [
         ({"scheme": "rk5"}, "scheme must be one of euler, midpoint, heun, rk4; got 'rk5'"),
         ({"times": [0, 1, 1]}, "times must be increasing finite numbers"),
+        ({"times": [0, np.inf]}, "times must be increasing finite numbers"),
+        ({"times": [[0], [1]]}, "times must be increasing finite numbers"),
+        ({"times": []}, "times must be increasing finite numbers"),
         ({"values": np.ones(3)}, "values must have one entry for each point"),
         ({"velocity": None}, r"values that are the velocity must have the shape"),
         ({"velocity": lambda y, _: y[:, 0]}, "velocity must give vectors of the shape"),

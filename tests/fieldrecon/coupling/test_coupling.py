@@ -531,6 +531,7 @@ def test_shares_of_parts_sum_to_the_forces_and_moments_of_the_surface():
     for k in range(3):
         alone = net_force_and_moment(t.surface[here == k], f[here == k])
         assert_close(shares[k].sum(axis=0), alone, 1e-10)
+    assert_close(t.shares(f, here, 0 * there), shares.sum(axis=1, keepdims=True), 1e-10)
     loads = t.loads(f)[there == 2]
     assert_close(
         shares[:, 2].sum(axis=0), net_force_and_moment(t.structure[there == 2], loads), 1e-10

@@ -414,6 +414,23 @@ def test_the_tolerance_is_relative_to_the_largest_singular_value():
             weighted_least_squares.coefficient_weights(columns, w, 2, np.array([tolerance]))
 
 
+def test_weights_may_be_just_as_large_as_is_allowed():
+    """Otherwise the query with the largest is named, though its polynomial is determined."""
+    y = np.random.default_rng(4).uniform(-1, 1, (4, 4, 2))
+    y[2] += 9.0  # the value far outside has larger weights
+    b, w = monomials(y, 1) * np.array([1.0, 1.0, 1e-12]), np.ones((4, 4))
+    b[0, :, 2] *= 1e12
+    weights = weighted_least_squares.coefficient_weights
+    for rows in (1, 3):
+        c = weights(b, w, rows, np.zeros(4))
+        size = np.abs(c[:, 0]).sum(axis=1)
+        assert size.argmax() == 2
+        assert np.array_equal(weights(b, w, rows, np.zeros(4), size[2]), c)
+        with pytest.raises(weighted_least_squares.Undetermined) as refusal:
+            weights(b, w, rows, np.zeros(4), np.nextafter(size[2], 0.0))
+        assert refusal.value.args == (2, 3, size[2])
+
+
 def test_the_high_precision_gradient_of_a_line_is_its_slope():
     """This checks the reference itself."""
     x = np.linspace(0, 1, 6)[:, None]
@@ -656,8 +673,9 @@ def test_a_query_without_sites_in_reach_is_named():
     m = MovingLeastSquares(POINTS, wendland(3, 1, 0.3))
     words = r"the 0 sites that count at the query \(5, 0\.5\) do not determine .* rank 0 of 3"
     for evaluate in (m.field(VALUES), m.field(VALUES).gradient, m.weights):
-        with refused(words, np.linalg.LinAlgError):
-            evaluate([[0.5, 0.5], [5.0, 0.5]])
+        for queries in ([[0.5, 0.5], [5.0, 0.5]], [[5.0, 0.5]]):
+            with refused(words, np.linalg.LinAlgError):
+                evaluate(queries)
 
 
 def test_a_query_with_collinear_neighbours_is_named():

@@ -78,11 +78,27 @@ def test_boxes_contain_each_site_once_in_nearly_equal_numbers(n, d):
     assert boxes.across == np.ptp(x, axis=0).argmax()
     there = boxes.sites >= 0
     assert sorted(boxes.sites[there]) == list(range(n))
+    renumbered, order = boxes.in_order()
+    assert np.array_equal(renumbered.sites[there], np.arange(n))
+    assert np.array_equal(order, boxes.sites[there])
+    assert {*boxes.sites[~there], *renumbered.sites[~there]} <= {-1}
     box = np.nonzero(there)[0]
     np.testing.assert_array_equal(boxes.containing(x[boxes.sites[there]]), box)
-    for last in range(min(n, 9) if n > 1 else 0):  # whichever site is the last of its row
-        rows = np.roll(np.arange(n), last)[None]
-        assert halved(rows, x.T[:, rows])[0] == np.ptp(x, axis=0).argmax()
+
+
+@pytest.mark.parametrize("missing", [0, 1])
+def test_a_row_of_sites_is_cut_across_its_longest_side(missing):
+    """Whichever site is the last, also if one is missing; its coordinates do not count."""
+    for last, seed in np.ndindex(9, 10):
+        x = 5 + np.random.default_rng(seed).random((9, 3))
+        axis = np.ptp(x, axis=0).argmax()
+        row = np.append(np.roll(np.arange(9), -1 - last), [-1] * missing)
+        found, cut, halves, _ = halved(row[None], np.where(row >= 0, x.T[:, row], 0.0)[:, None])
+        assert found == [axis]
+        left, right = (x[half[half >= 0], axis] for half in halves)
+        assert left.max() < cut[0] < right.min()
+        assert len(left) + len(right) == 9
+        assert abs(len(left) - len(right)) == 1
 
 
 @pytest.mark.parametrize("n", [1, 9, 90])
