@@ -262,6 +262,37 @@ def test_steady_velocities_are_traced_once():
     assert_close(formless, last(rbf, hill(x), rotation, times, steady=True).values, 1e-10)
 
 
+@pytest.mark.parametrize("unit", [1e-6, 1e6])
+def test_the_unit_of_time_does_not_matter(unit):
+    """A step of another length is traced anew, however short it is."""
+    x, times = disc(60), np.array([0.0, 0.1, 0.3])
+    found = last(
+        LeastSquares(x, 2), hill(x), lambda y, t: rotation(y, t) / unit, unit * times, steady=True
+    )
+    assert_close(found.values, last(LeastSquares(x, 2), hill(x), rotation, times).values, 1e-12)
+
+
+def test_a_step_to_other_sites_is_traced_anew():
+    """Also of a steady velocity, from the same sites and in the same time."""
+    few, many = LeastSquares(disc(60), 2), LeastSquares(disc(90), 2)
+    first = State(0.0, few, hill(few.points))
+    for methods in ([few, few, many], [few, many, few, few, many, many]):
+        following = iter(methods[1:])
+        *_, found = semi_lagrangian(
+            methods[0],
+            first.values,
+            rotation,
+            np.arange(len(methods)) / 9,
+            steady=True,
+            sites=lambda *_, following=following: next(following),
+        )
+        state = first
+        for method in methods[1:]:
+            feet = departure_points(method.points, rotation, 0.0, 1 / 9)
+            state = State(0.0, method, state.method.field(state.values)(feet))
+        assert_close(found.values, state.values, 1e-11)
+
+
 # --- inflow ---------------------------------------------------------------------------------------
 
 
@@ -390,6 +421,19 @@ def test_bounds_and_mass_are_preserved_on_request():
     assert abs(masses @ bounded - wanted) > 1e-3 * wanted
     for kept in (mass, both):
         assert abs(masses @ kept - wanted) < 1e-12 * wanted
+
+
+@pytest.mark.parametrize(("n", "d"), [(30, 1), (30, 2), (30, 3), (5, 3)])
+def test_bounds_are_those_of_the_two_to_the_d_sites_nearest_to_the_departure_point(n, d):
+    """Or of all sites if they are fewer."""
+    x, u = halton(n, d), np.random.default_rng(0).random(n)
+    method = RBF(x, polyharmonic(3)) if n > 5 else MovingLeastSquares(x, gaussian(0.5), 0)
+    found = last(method, u, lambda y, _: 0 * y + 1.0, [0.0, 0.05], bounded=True)
+    feet = x - 0.05
+    away = np.linalg.norm(feet[:, None] - x, axis=2)
+    near = u[np.argsort(away, axis=1)[:, : 2**d]]
+    free = method.field(u)(feet)
+    assert_close(found.values, np.clip(free, near.min(axis=1), near.max(axis=1)), 1e-9)
 
 
 def test_bounds_reduce_the_accuracy_of_smooth_fields():
