@@ -117,7 +117,7 @@ def test_a_row_of_sites_is_cut_across_its_longest_side(missing):
     for last, seed in np.ndindex(9, 10):
         x = 5 + np.random.default_rng(seed).random((9, 3))
         axis = np.ptp(x, axis=0).argmax()
-        row = np.append(np.roll(np.arange(9), -1 - last), [-1] * missing)
+        row = np.append(np.roll(np.arange(9), -1 - last), np.full(missing, -1))
         found, cut, halves, _ = halved(row[None], np.where(row >= 0, x.T[:, row], 0.0)[:, None])
         assert found == [axis]
         left, right = (x[half[half >= 0], axis] for half in halves)
