@@ -262,6 +262,37 @@ def test_steady_velocities_are_traced_once():
     assert_close(formless, last(rbf, hill(x), rotation, times, steady=True).values, 1e-10)
 
 
+@pytest.mark.parametrize("unit", [1e-6, 1e6])
+def test_the_unit_of_time_does_not_matter(unit):
+    """A step of another length is traced anew, however short it is."""
+    x, times = disc(60), np.array([0.0, 0.1, 0.3])
+    found = last(
+        LeastSquares(x, 2), hill(x), lambda y, t: rotation(y, t) / unit, unit * times, steady=True
+    )
+    assert_close(found.values, last(LeastSquares(x, 2), hill(x), rotation, times).values, 1e-12)
+
+
+def test_a_step_to_other_sites_is_traced_anew():
+    """Also of a steady velocity, from the same sites and in the same time."""
+    few, many = LeastSquares(disc(60), 2), LeastSquares(disc(90), 2)
+    first = State(0.0, few, hill(few.points))
+    for methods in ([few, few, many], [few, many, few, few, many, many]):
+        following = iter(methods[1:])
+        *_, found = semi_lagrangian(
+            methods[0],
+            first.values,
+            rotation,
+            np.arange(len(methods)) / 9,
+            steady=True,
+            sites=lambda *_, following=following: next(following),
+        )
+        state = first
+        for method in methods[1:]:
+            feet = departure_points(method.points, rotation, 0.0, 1 / 9)
+            state = State(0.0, method, state.method.field(state.values)(feet))
+        assert_close(found.values, state.values, 1e-11)
+
+
 # --- inflow ---------------------------------------------------------------------------------------
 
 
@@ -392,6 +423,19 @@ def test_bounds_and_mass_are_preserved_on_request():
         assert abs(masses @ kept - wanted) < 1e-12 * wanted
 
 
+@pytest.mark.parametrize(("n", "d"), [(30, 1), (30, 2), (30, 3), (5, 3)])
+def test_bounds_are_those_of_the_two_to_the_d_sites_nearest_to_the_departure_point(n, d):
+    """Or of all sites if they are fewer."""
+    x, u = halton(n, d), np.random.default_rng(0).random(n)
+    method = RBF(x, polyharmonic(3)) if n > 5 else MovingLeastSquares(x, gaussian(0.5), 0)
+    found = last(method, u, lambda y, _: 0 * y + 1.0, [0.0, 0.05], bounded=True)
+    feet = x - 0.05
+    away = np.linalg.norm(feet[:, None] - x, axis=2)
+    near = u[np.argsort(away, axis=1)[:, : 2**d]]
+    free = method.field(u)(feet)
+    assert_close(found.values, np.clip(free, near.min(axis=1), near.max(axis=1)), 1e-9)
+
+
 def test_bounds_reduce_the_accuracy_of_smooth_fields():
     """The limiter cuts off the maximum of a smooth hill; the error grows more than threefold."""
     x = disc(500)
@@ -430,7 +474,10 @@ def test_the_projection_to_bounds_and_mass_is_orthogonal():
 
 @pytest.mark.parametrize("share", [1e-4, 0.5, 1 - 1e-4])
 def test_values_and_bounds_with_a_constant_are_projected_to_the_same_with_it(share):
-    """Also a negative one, and totals near the least and the largest; each column by itself."""
+    """Also a negative one, and totals near the least and the largest; each column by itself.
+
+    So are values in another unit.
+    """
     rng, m = np.random.default_rng(2), np.array([1.0, 2.0, 3.0, 0.5])
     u = rng.normal(size=(4, 2))
     low, high = u - rng.random((4, 2)), u + rng.random((4, 2))
@@ -440,19 +487,27 @@ def test_values_and_bounds_with_a_constant_are_projected_to_the_same_with_it(sha
     for c in (-50.0, 50.0):
         moved = project_to_bounds_and_mass(u + c, low + c, high + c, m, total + c * m.sum())
         assert_close(moved, found + c, 1e-12)
+    for unit in (1e-9, 1e9):
+        scaled = project_to_bounds_and_mass(u * unit, low * unit, high * unit, m, total * unit)
+        assert_close(scaled / unit, found, 1e-12)
 
 
+@pytest.mark.parametrize("unit", [1e-8, 1.0, 1e8])
 @pytest.mark.parametrize("end", ["low", "high"])
-def test_the_extreme_masses_determine_the_values(end):
+def test_the_extreme_masses_determine_the_values(end, unit):
     """At the largest or smallest possible total the values are the bounds.
 
-    A total beyond is refused.
+    A total beyond is refused, unless by rounding.
     """
-    u = np.array([[0.3], [0.9], [0.1]])
-    low, high, m = u - 0.1, u + 0.2, np.array([1.0, 2.0, 3.0])
+    u = np.array([[0.3], [0.9], [0.1]]) * unit
+    low, high, m = u - 0.1 * unit, u + 0.2 * unit, np.array([0.1, 0.2, 0.3])
     edge = {"low": low, "high": high}[end]
-    assert_close(project_to_bounds_and_mass(u, low, high, m, m @ edge), edge, 1e-9)
-    beyond = m @ edge + (1 if end == "high" else -1)
+    for rounding in (-1e-13, 0.0, 1e-13):
+        found = project_to_bounds_and_mass(u, low, high, m, m @ edge * (1 + rounding))
+        assert_close(found / unit, edge / unit, 1e-9)
+    for one in (u, 0 * u):  # nothing to choose
+        assert_close(project_to_bounds_and_mass(one, one, one, m, m @ one), one, 0.0)
+    beyond = m @ edge * (1 + 1e-9 if end == "high" else 1 - 1e-9)
     with pytest.raises(
         ValueError,
         match=r"cannot be .* within the bounds of neighbouring values",
@@ -468,10 +523,10 @@ def test_the_velocity_between_snapshots_is_linear_in_time():
     values, method = rng.normal(size=(4, 2)), LeastSquares(np.eye(2), degree=0)
     wind = Snapshots(times, [method.field(np.tile(v, (2, 1))) for v in values])
     x = np.array([[0.3, 0.7]])
-    for t in (*times, 2.3, 3.1, 4.9, 6.0, 8.5, 2.0 - 6e-9, 9.0 + 6e-9):
+    for t in (*times, 2.3, 3.1, 4.9, 6.0, 8.5, 2.0 - 6.5e-9, 9.0 + 6.5e-9):
         expected = [np.interp(t, times, component) for component in values.T]
         assert_close(wind(x, t)[0], np.array(expected), 1e-7)
-    for t in (2.0 - 9e-9, 9.0 + 9e-9):
+    for t in (2.0 - 7.5e-9, 9.0 + 7.5e-9):
         with pytest.raises(ValueError, match=r"lies outside the snapshots, 2\.0 to 9\.0"):
             wind(x, t)
     pair = Snapshots(times[:2], wind.fields[:2])
@@ -496,6 +551,14 @@ def test_in_a_wind_that_grows_linearly_the_times_of_entry_are_exact():
     assert not len(entries(edge, edge, lambda y, _: 0 * y, t, dt, flow).which)
 
 
+def test_the_first_state_is_that_which_is_given():
+    """With no further time it is the only one."""
+    x = disc(60)
+    (only,) = semi_lagrangian(LeastSquares(x), hill(x), rotation, [2.5])
+    assert only.time == 2.5
+    assert np.array_equal(only.values, hill(x))
+
+
 # --- refusals -------------------------------------------------------------------------------------
 
 
@@ -504,6 +567,9 @@ def test_in_a_wind_that_grows_linearly_the_times_of_entry_are_exact():
     [
         ({"scheme": "rk5"}, "scheme must be one of euler, midpoint, heun, rk4; got 'rk5'"),
         ({"times": [0, 1, 1]}, "times must be increasing finite numbers"),
+        ({"times": [0, np.inf]}, "times must be increasing finite numbers"),
+        ({"times": [[0], [1]]}, "times must be increasing finite numbers"),
+        ({"times": []}, "times must be increasing finite numbers"),
         ({"values": np.ones(3)}, "values must have one entry for each point"),
         ({"velocity": None}, r"values that are the velocity must have the shape"),
         ({"velocity": lambda y, _: y[:, 0]}, "velocity must give vectors of the shape"),

@@ -80,6 +80,18 @@ def test_the_peak_is_not_less_than_that_of_the_resident_memory():
     assert 0.99 * resident <= peak_memory() < memory_limit()
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems count in other units")
+def test_the_peak_is_that_which_the_system_reports_in_kibibytes():
+    """It may grow from one report to the next."""
+    resource = pytest.importorskip("resource")
+    before, peak, after = (
+        1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
+        peak_memory(),
+        1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
+    )
+    assert before <= peak <= after
+
+
 def test_memory_is_told_in_gigabytes_if_it_is_known():
     assert memory_used(2_345_678_900) == ", 2.35 GB"
     assert memory_used(0, " of memory") == ", 0.00 GB of memory"

@@ -320,6 +320,21 @@ def test_weights_of_a_sum_above_a_hundred_are_announced():
         warn_of_large_weights(np.array([1.0, 100.5, 99.0]))
 
 
+@pytest.mark.parametrize("d", [2, 3])
+def test_only_a_thin_structure_may_be_meant_to_be_flat(d):
+    """One that is less than a hundredth as thick as it is long; nodes on the axis never are."""
+    normal = np.eye(d)[-1]
+    wave = np.sqrt(2) * np.cos(np.arange(40) * np.pi / 4)[:, None] * normal  # of the rms one
+    line = np.linspace(0, 1, 40)
+    plate = np.column_stack([line, *[np.cos(9 * line) / 5] * (d - 2), 0 * line])
+    for thickness, remedy in ((0.008, "meant to be flat$"), (0.02, "nearer to it$")):
+        with pytest.warns(RuntimeWarning, match=remedy):
+            warn_of_large_weights(np.array([101.0]), plate + thickness * wave)
+    heap = np.append(np.zeros(20000), 1.0)[:, None]
+    with pytest.warns(RuntimeWarning, match="nearer to it$"):
+        warn_of_large_weights(np.array([101.0]), heap)
+
+
 def test_every_coupling_announces_them_once_at_the_line_of_the_caller():
     """Also one made without `couple`, of nodes in space or in a plane."""
     almost, far = np.round(flat(3), 4), flat(3) * 1e3
@@ -384,8 +399,13 @@ def test_nodes_on_a_line_in_space_are_refused():
     line = np.linspace(0, 1, 9)[:, None] * [1.0, 2.0, 3.0]
     with pytest.raises(np.linalg.LinAlgError, match=r"lie on a line.*rigid arms"):
         couple(line, skin_points(3))
+    for point, y in ((np.ones((3, 2)), skin_points(2)), (np.ones((4, 3)), skin_points(3))):
+        with pytest.raises(np.linalg.LinAlgError, match="lie at one point"):
+            couple(point, y)
     with pytest.raises(np.linalg.LinAlgError, match="lie at one point"):
-        couple(np.ones((3, 2)), skin_points(2))
+        couple(nodes(2), skin_points(2), flatness=1.0)  # as thick as they are long
+    with pytest.raises(np.linalg.LinAlgError, match="do not determine its rotation"):
+        FlatCoupling(nodes(1), skin_points(1))
 
 
 def test_patches_within_one_flat_side_are_refused():
@@ -511,6 +531,7 @@ def test_shares_of_parts_sum_to_the_forces_and_moments_of_the_surface():
     for k in range(3):
         alone = net_force_and_moment(t.surface[here == k], f[here == k])
         assert_close(shares[k].sum(axis=0), alone, 1e-10)
+    assert_close(t.shares(f, here, 0 * there), shares.sum(axis=1, keepdims=True), 1e-10)
     loads = t.loads(f)[there == 2]
     assert_close(
         shares[:, 2].sum(axis=0), net_force_and_moment(t.structure[there == 2], loads), 1e-10
@@ -530,10 +551,14 @@ def test_the_flatness_that_a_warning_suggests_is_twice_the_thickness():
 
 
 def test_with_the_flatness_zero_no_thick_plate_is_flat():
-    """Also the class itself takes it."""
+    """Also the class itself takes it. On the axis nothing is flat with any."""
     assert type(couple(nodes(3), skin_points(3), cubics, flatness=0.0)) is Coupling
+    assert type(couple(nodes(1), skin_points(1), cubics, flatness=1.0)) is Coupling
     plane = np.pad(nodes(2), ((0, 0), (0, 1)))
     assert isinstance(FlatCoupling(plane, plane, cubics, flatness=0.0), FlatCoupling)
+    line = np.pad(nodes(1), ((0, 0), (0, 2)))
+    with pytest.raises(np.linalg.LinAlgError, match="lie on a line"):
+        couple(line, plane, cubics, flatness=0.0)
 
 
 def test_moments_equal_cross_products():

@@ -380,6 +380,57 @@ def test_a_redundant_variable_does_not_change_residuals():
         assert_close(np.einsum("mid,miv->mv", change, data), a, 1e-11)
 
 
+def test_units_of_the_basis_do_not_matter():
+    """Sites in a strip determine a polynomial as well as those of the stretched strip."""
+    y = np.random.default_rng(4).uniform(-1, 1, (2, 9, 2))
+    b, w = monomials(y, 1), np.ones((2, 9))
+    units, tolerance = np.array([[1.0, 1.0, 1e-12], [1.0, 1.0, 1.0]])[:, None], np.full(2, 1e-6)
+    for rows in (1, 3):
+        c = weighted_least_squares.coefficient_weights(b, w, rows, tolerance)
+        narrow = weighted_least_squares.coefficient_weights(b * units, w, rows, tolerance)
+        assert_close(narrow * units.mT[:, :rows], c, 1e-13)
+
+
+def test_sites_without_weight_do_not_determine_a_polynomial():
+    """Those that count lie on a line; the first such query is named, with the rank."""
+    y = np.random.default_rng(4).uniform(-1, 1, (4, 9, 2))
+    y[1:3, :6, 1] = y[1:3, :6, 0] / 2
+    w = np.tile([1.0] * 6 + [0.0] * 3, (4, 1))
+    for rows in (1, 3):
+        with pytest.raises(weighted_least_squares.Undetermined) as refusal:
+            weighted_least_squares.coefficient_weights(monomials(y, 1), w, rows, np.full(4, 1e-9))
+        assert (refusal.value.query, refusal.value.rank) == (1, 2)
+
+
+def test_the_tolerance_is_relative_to_the_largest_singular_value():
+    """Nearly equal unit vectors (1, ±t) have the singular values √2 and √2 t."""
+    t = 1e-4
+    b = np.array([[[1.0, 1.0], [t, -t]]]) / np.sqrt(1 + t**2)
+    w = np.ones((1, 2))
+    c = weighted_least_squares.coefficient_weights(b, w, 2, np.array([0.9 * t]))
+    assert_close(c @ b, np.eye(2)[None], 1e-11)
+    for columns, tolerance in ((b, 1.1 * t), (b * [1.0, 0.0], 0.0)):
+        with pytest.raises(weighted_least_squares.Undetermined):
+            weighted_least_squares.coefficient_weights(columns, w, 2, np.array([tolerance]))
+
+
+def test_weights_may_be_just_as_large_as_is_allowed():
+    """Otherwise the query with the largest is named, though its polynomial is determined."""
+    y = np.random.default_rng(4).uniform(-1, 1, (4, 4, 2))
+    y[2] += 9.0  # the value far outside has larger weights
+    b, w = monomials(y, 1) * np.array([1.0, 1.0, 1e-12]), np.ones((4, 4))
+    b[0, :, 2] *= 1e12
+    weights = weighted_least_squares.coefficient_weights
+    for rows in (1, 3):
+        c = weights(b, w, rows, np.zeros(4))
+        size = np.abs(c[:, 0]).sum(axis=1)
+        assert size.argmax() == 2
+        assert np.array_equal(weights(b, w, rows, np.zeros(4), size[2]), c)
+        with pytest.raises(weighted_least_squares.Undetermined) as refusal:
+            weights(b, w, rows, np.zeros(4), np.nextafter(size[2], 0.0))
+        assert refusal.value.args == (2, 3, size[2])
+
+
 def test_the_high_precision_gradient_of_a_line_is_its_slope():
     """This checks the reference itself."""
     x = np.linspace(0, 1, 6)[:, None]
@@ -622,8 +673,9 @@ def test_a_query_without_sites_in_reach_is_named():
     m = MovingLeastSquares(POINTS, wendland(3, 1, 0.3))
     words = r"the 0 sites that count at the query \(5, 0\.5\) do not determine .* rank 0 of 3"
     for evaluate in (m.field(VALUES), m.field(VALUES).gradient, m.weights):
-        with refused(words, np.linalg.LinAlgError):
-            evaluate([[0.5, 0.5], [5.0, 0.5]])
+        for queries in ([[0.5, 0.5], [5.0, 0.5]], [[5.0, 0.5]]):
+            with refused(words, np.linalg.LinAlgError):
+                evaluate(queries)
 
 
 def test_a_query_with_collinear_neighbours_is_named():

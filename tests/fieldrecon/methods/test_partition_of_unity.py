@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fieldrecon._core import chunks as _chunks
+from fieldrecon._numerics.jets import composition, product, quotient, rows_of_jet, upper_pairs
 from fieldrecon._numerics.kd_partition import KDPartition, halved
 from fieldrecon.datasets.synthetic import clustered, franke, halton, uniform
 from fieldrecon.kernels.conditionally_positive_definite import (
@@ -78,11 +79,51 @@ def test_boxes_contain_each_site_once_in_nearly_equal_numbers(n, d):
     assert boxes.across == np.ptp(x, axis=0).argmax()
     there = boxes.sites >= 0
     assert sorted(boxes.sites[there]) == list(range(n))
+    renumbered, order = boxes.in_order()
+    assert np.array_equal(renumbered.sites[there], np.arange(n))
+    assert np.array_equal(order, boxes.sites[there])
+    assert {*boxes.sites[~there], *renumbered.sites[~there]} <= {-1}
     box = np.nonzero(there)[0]
     np.testing.assert_array_equal(boxes.containing(x[boxes.sites[there]]), box)
-    for last in range(min(n, 9) if n > 1 else 0):  # whichever site is the last of its row
-        rows = np.roll(np.arange(n), last)[None]
-        assert halved(rows, x.T[:, rows])[0] == np.ptp(x, axis=0).argmax()
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+@pytest.mark.parametrize("d", [1, 2, 3])
+def test_jets_obey_the_rules_of_calculus(d, order):
+    """Those of a product of linear functions are known; others follow by powers and inverses."""
+    rng, rows = np.random.default_rng(d), rows_of_jet(d, order)
+    p, q = np.zeros((2, 10, 5))
+    p[: 1 + d], q[: 1 + d] = rng.uniform(1, 2, (2, 1 + d, 5))
+    second = [p[1 + k] * q[1 + j] + p[1 + j] * q[1 + k] for k, j in upper_pairs(d)]
+    exact = np.stack([p[0] * q[0], *(p[0] * q[1 : 1 + d] + q[0] * p[1 : 1 + d]), *second])[:rows]
+    p, q = p[:rows], q[:rows]
+    u = product(p, q, d)
+    assert_close(u, exact, 1e-14)
+    assert_close(quotient(u, q, d), p, 1e-14)
+    for v in (p, u):
+        assert_close(
+            composition((v[0] ** 2, 2 * v[0], 2 + 0 * v[0]), v, d), product(v, v, d), 1e-13
+        )
+        one = np.zeros_like(v)
+        one[0] = 1.0
+        inverse = composition((1 / v[0], -(v[0] ** -2), 2 * v[0] ** -3), v, d)
+        assert_close(quotient(one, v, d), inverse, 1e-14)
+        assert_close(product(inverse, v, d), one, 1e-13)
+
+
+@pytest.mark.parametrize("missing", [0, 1])
+def test_a_row_of_sites_is_cut_across_its_longest_side(missing):
+    """Whichever site is the last, also if one is missing; its coordinates do not count."""
+    for last, seed in np.ndindex(9, 10):
+        x = 5 + np.random.default_rng(seed).random((9, 3))
+        axis = np.ptp(x, axis=0).argmax()
+        row = np.append(np.roll(np.arange(9), -1 - last), np.full(missing, -1))
+        found, cut, halves, _ = halved(row[None], np.where(row >= 0, x.T[:, row], 0.0)[:, None])
+        assert found == [axis]
+        left, right = (x[half[half >= 0], axis] for half in halves)
+        assert left.max() < cut[0] < right.min()
+        assert len(left) + len(right) == 9
+        assert abs(len(left) - len(right)) == 1
 
 
 @pytest.mark.parametrize("n", [1, 9, 90])

@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline, RBFInterpolator
 import high_precision
 from cases import CASES, KERNELS, SITES, Case, case
 from fieldrecon import reconstruction
+from fieldrecon._numerics.far_queries import LOST, error_of_weights
 from fieldrecon._numerics.saddle_point import SaddlePoint
 from fieldrecon.datasets.synthetic import franke, halton
 from fieldrecon.kernels.conditionally_positive_definite import (
@@ -24,7 +25,7 @@ from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.least_squares import LeastSquares
 from fieldrecon.methods.moving_least_squares import MovingLeastSquares
 from fieldrecon.methods.rbf import RBF
-from fieldrecon.polynomials import dimension, monomials
+from fieldrecon.polynomials import EPS, dimension, monomials
 from fieldrecon.selection.leaving_one_out import leave_one_out
 from laws import assert_close, assert_obeyed, refused
 
@@ -239,6 +240,15 @@ def test_the_far_field_grows_no_faster_than_the_polynomial():
         for evaluate in evaluations:
             with pytest.raises(np.linalg.LinAlgError, match="rounding decides the value"):
                 evaluate(distance * x)
+
+
+def test_weights_are_no_better_than_their_own_rounding():
+    """They are lost where they are as large as 1e13, though their sum be one by chance."""
+    size = np.array([1.0, 1e10, 1e13])
+    error = error_of_weights(np.ones(3), size)
+    assert_close(error / size, np.full(3, EPS), 1e-30)
+    assert (error > LOST).tolist() == [False, False, True]
+    assert_close(error_of_weights(np.array([0.5, 1.0, 2.0]), np.ones(3)), [0.5, 0.0, 1.0], 1e-15)
 
 
 def test_the_gradient_is_continuous_at_the_sites():

@@ -317,6 +317,20 @@ def test_interior_weights_equal_the_formula_of_the_slides(mesh):
     assert w[inside].data.min() > 0
 
 
+def test_boundary_weights_are_those_of_a_moving_least_squares_fit(mesh):
+    """Of an affine function to the circumcentres that count, with the weight 1/(r² + ρ²)."""
+    vertices = np.flatnonzero(mesh.boundary_vertices)[::20]
+    weights = circumcenter_weights(mesh, vertices)
+    for k, i in enumerate(vertices):
+        row = weights[[k]]
+        away = mesh.circumcenters[row.indices] - mesh.points[i]
+        r = np.linalg.norm(away, axis=1)
+        w = 1 / (r**2 + r.min() ** 2)
+        b = np.column_stack([np.ones(len(r)), away / np.median(r)])
+        assert_close(row.data, (np.linalg.pinv(w[:, None] * b) * w)[0], 1e-9)
+        assert set(np.flatnonzero((mesh.cells == i).any(axis=1))) <= set(row.indices)
+
+
 @pytest.mark.parametrize("unit", [1e-100, 1e100])
 def test_the_weights_do_not_depend_on_the_unit(mesh, unit):
     """Squares of lengths do not overflow or underflow."""

@@ -162,6 +162,25 @@ def test_the_gradient_includes_the_derivative_of_the_weights():
     assert difference > 0.01
 
 
+@pytest.mark.parametrize("parity", ["even", "odd"])
+@pytest.mark.parametrize("method", ["LS", "MLS", "RBF"])
+def test_a_site_more_than_ten_times_as_far_as_the_median_does_not_count(method, parity):
+    """Of an even number it is the lower one. A square of the distance may have no number."""
+    mesh = MESHES["random 2-D"]
+    count = np.bincount(mesh.cells.ravel())
+    others = mesh.boundary_vertices | (count % 2 != ["even", "odd"].index(parity))
+    i = np.argmax(np.where(others, 0, count))
+    one, *others = np.flatnonzero((mesh.cells == i).any(axis=1))
+    away = np.linalg.norm(mesh.circumcenters[others] - mesh.points[i], axis=1)
+    median = np.sort(away)[(count[i] - 1) // 2]
+    for distance, counts in ((9.999 * median, True), (10.001 * median, False), (6e153, False)):
+        sites = mesh.circumcenters.copy()
+        sites[one] = mesh.points[i] + [distance, 0.0]
+        values = np.where(np.arange(len(sites)) == one, 1e9, sites @ [3.0, 4.0])
+        found = vertex_gradients(mesh, values, METHODS[method](spacing(mesh)), sites, [i])
+        assert (np.abs(found - [3.0, 4.0]).max() > EXACT) == counts
+
+
 def test_coincident_circumcentres_are_replaced_by_their_mean_value():
     """In a grid of squares two triangles share each circumcentre."""
     side = np.arange(5.0)

@@ -11,7 +11,7 @@ from fieldrecon.kernels.positive_definite import gaussian, wendland
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from fieldrecon.polynomials import monomials
-from fieldrecon.velocity.stencils import WELL_DETERMINED
+from fieldrecon.velocity.stencils import WELL_DETERMINED, MatrixOfWeights, Stencils
 from fieldrecon.velocity.vertices import (
     divergence,
     normal_velocities,
@@ -634,6 +634,17 @@ def test_invalid_arguments_are_refused(call, words):
     """The message names the argument, what came and what was wanted."""
     with pytest.raises(ValueError, match=words):
         call(MESHES["random 2-D"])
+
+
+def test_weights_may_belong_to_more_sites_than_32_bits_number():
+    """The last of these sites has the number 2^31."""
+    found = MatrixOfWeights(1, (2, 2**31 + 1))
+    sites, there = np.array([[2**31, 5]]), np.ones((1, 2), dtype=bool)
+    found(np.array([1]), Stencils(np.array([1]), np.array([0]), sites, there), np.array([[[3, 4]]]))
+    (matrix,) = found.matrices()
+    assert matrix[1, 2**31] == 3
+    assert matrix[1, 5] == 4
+    assert matrix.nnz == 2
 
 
 @pytest.mark.slow

@@ -71,6 +71,14 @@ def test_a_diverging_iteration_is_stopped():
     assert not fixed_point(lambda x: x + 1, 0.0, maxiter=5).converged
 
 
+def test_by_default_the_first_step_goes_half_way_and_the_hundredth_is_the_last():
+    """The norms of the residuals at the start and after each step are kept."""
+    assert fixed_point(lambda x: x + 3, 1.0, maxiter=1).value == 2.5
+    found = fixed_point(lambda x: x + 3, 1.0)
+    assert np.array_equal(found.residuals, np.full(101, 3.0))
+    assert not found.converged
+
+
 def test_values_keep_their_shape_and_may_be_complex():
     """z = 2 + (3 + i) z has the solution -2 / (2 + i), which repetition does not find."""
     found = fixed_point(lambda z: 2 + (3 + 1j) * z, 0.0)
