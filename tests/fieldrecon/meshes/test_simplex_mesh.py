@@ -811,6 +811,21 @@ def test_flat_cells_are_left_out_only_at_the_hull():
     assert _outer(neighbors, flat).tolist() == [False, False, False, True, True]
 
 
+@pytest.mark.parametrize("k", [0, 1, 2])
+def test_no_larger_cells_are_left_out_than_one_before_a_cell_of_unknown_sign(k):
+    """Cells 0, 1, 2 at the hull are 1e-17, 1e-15, 1e-13 of the area; cell 3 is behind cell k."""
+    size = 3e-8 * 10.0 ** np.arange(3)
+    tiny = [[[i, 0], [i + h, 0], [i, h]] for i, h in enumerate(size)]
+    points = np.array([*np.concatenate(tiny), [3, 0], [0, 9]])
+    large = [[i, 9, 10] for i in range(9) if i % 3 == 2]
+    line, beside = [3 * k, 3 * k + 1, 9], [[0, 1, 10], [3, 4, 10], [6, 7, 10]]
+    cells = np.array([[0, 1, 2], [3, 4, 5], [6, 7, 8], line, *large, *beside])
+    neighbors = np.full(cells.shape, -1)
+    neighbors[3] = [5, 6, k]
+    left_out = delaunay._left_out(points, cells, neighbors)
+    assert np.flatnonzero(left_out).tolist() == [*range(k + 1), 3]
+
+
 @pytest.mark.parametrize("d", [2, 3])
 def test_cells_with_a_hole_inside_are_refused(d):
     """The boundary of all cells is the hull; an inner cell that is left out adds its own."""

@@ -56,6 +56,26 @@ def test_variants_have_more_and_more_smoothing_in_units_of_their_kernel(name):
             np.testing.assert_allclose(there, here * unit**power, rtol=1e-12)
 
 
+@pytest.mark.parametrize("name", ALONE)
+def test_a_model_is_what_its_meaning_says(name):
+    """Its degree or kernel; the kernel r is smoothed about constants, too, the others about planes.
+
+    Global polynomials and global kernels are tried unasked on as many samples as the guide says.
+    """
+    model, points = MODELS[name], uniform(80, 2, seed=0)
+    methods = [path[-1](points) for path in model.makers(points)]
+    degrees = [method.degree for method in methods]
+    if "squares" in model.meaning:
+        assert degrees == [1 if "plane" in model.meaning else int(model.meaning[-1])]
+    else:
+        (power,) = {method.kernel.homogeneity for method in methods}
+        kernel = {1: " r,", 2: "plate", 3: " r³", 5: " r⁵"}[power]
+        assert kernel in model.meaning
+        if "smoothed" in model.meaning:
+            assert degrees == ([0, 1] if power == 1 else [1])
+    assert model.max_samples == {"LS": 20_000, "RBF": 1000}.get(model.family, np.inf)
+
+
 @pytest.mark.parametrize(("where", "size"), [([[2.0]], 60), ([[2.0]] * 3, 120)])
 def test_a_single_site_has_the_spacing_one(where, size):
     """Whether it has one sample or several: these count as one, so a patch has more of them."""
