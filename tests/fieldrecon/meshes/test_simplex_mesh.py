@@ -22,7 +22,7 @@ from fieldrecon.meshes.delaunay import _outer, _refuse_cracks, _violations
 from fieldrecon.meshes.duals import barycentric_dual, circumcentric_dual
 from fieldrecon.meshes.exact_delaunay import _independent, _is_independent, exact_delaunay_cells
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.meshes.simplices import signed_volumes
+from fieldrecon.meshes.simplices import signed_volumes, units
 from rational import determinant, dot, minus, rational
 
 EPS = np.finfo(float).eps
@@ -698,6 +698,11 @@ TETRAHEDRA = np.vstack([np.zeros(3), np.eye(3), [1, 1, 1]])
             r"at most two cells .* face \[0, 1\] belongs to the cells 0, 1, 2",
         ),
         (
+            [[0, 0], [1, 0], [0, 1], [1, -1], [-1, 0], [-1, 1]],
+            [[0, 1, 3], [0, 1, 2], [0, 2, 4], [0, 2, 5]],
+            r"at most two cells .* face \[0, 2\] belongs to the cells 1, 2, 3",
+        ),
+        (
             SQUARE,
             [[0, 1, 2], [0, 1, 3]],
             r"must not overlap; the cells 0 and 1 lie on the same side of .* face \[0, 1\]",
@@ -736,6 +741,16 @@ def test_a_tetrahedron_of_two_short_distant_edges_is_not_flat():
     h = 1e-10
     mesh = SimplexMesh([[0, 0, 0], [h, 0, 0], [0, 0, 1], [0, h, 1]], [[0, 1, 2, 3]])
     assert math.isclose(mesh.cell_measures[0], h * h / 6, rel_tol=1e-14)
+
+
+def test_the_unit_of_a_simplex_is_the_power_of_two_below_its_size():
+    """The largest component of its edges is one or two such units; that of a point is one."""
+    edges = np.random.default_rng(0).standard_normal((50, 3, 3))
+    edges *= 10.0 ** np.arange(-25, 25)[:, None, None]
+    ratio = np.abs(edges).max(axis=(1, 2)) / units(edges)
+    assert ((ratio >= 1) & (ratio < 2)).all()
+    assert units(np.zeros((1, 3, 3))).tolist() == [1.0]
+    assert units(-np.ones((1, 1, 2))).tolist() == [1.0]
 
 
 @pytest.mark.parametrize("d", [2, 3])
@@ -809,6 +824,15 @@ def test_flat_cells_are_left_out_only_at_the_hull():
     neighbors = np.array([[1, 2, 2], [0, 2, 2], [0, 1, -1], [4, 2, 2], [3, 2, -1]])
     flat = np.array([True, True, False, True, True])
     assert _outer(neighbors, flat).tolist() == [False, False, False, True, True]
+
+
+def test_cells_at_the_hull_that_are_left_out_make_no_crack():
+    """Broken ties of a turned grid suffice for a mesh; exact signs take longer."""
+    points = rotated(grid(3))
+    cells = delaunay._cells_without_flat_ones(points, delaunay._in_local_frame(points))
+    assert np.unique(cells).tolist() == [*range(len(points))]
+    assert signed_volumes(points[cells])[0].size < len(delaunay._tie_broken(points)[0])
+    cells_fill_the_hull(SimplexMesh(points, cells))
 
 
 @pytest.mark.parametrize("k", [0, 1, 2])

@@ -221,6 +221,14 @@ def test_there_are_gaps_only_where_queries_are_farther_than_samples_are_apart():
         assert CrossValidator.of(sites, sites[:, 0], x).has_gaps is gaps
 
 
+@pytest.mark.parametrize(("distance", "gaps"), [(1.4, False), (1.6, True)])
+def test_samples_held_out_at_one_and_a_half_times_their_distance_are_beside_gaps(distance, gaps):
+    lattice = np.stack(np.meshgrid(*[np.arange(8.0)] * 2), axis=-1).reshape(-1, 2)
+    validator = CrossValidator.of(lattice, lattice[:, 0])
+    validator.__dict__["distances"] = distance + np.tile([-1.0, 1.0], 32)
+    assert validator.has_gaps is gaps
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("gap", "error", "size"), [(1, 1.0, 240), (1, 0.0, 60), (0, 1.0, 60)])
 def test_in_gaps_patches_are_wide_unless_the_held_out_samples_speak_against_it(gap, error, size):
@@ -629,6 +637,16 @@ def test_a_window_is_the_neighbourhood_of_a_query(monkeypatch, seed):
     validator = CrossValidator.of(points, points[:, 0], seed=seed)
     assert validator.queries is None
     assert [k for k, near in enumerate(own) if {*near[:80]} == {*validator.sites}]
+
+
+def test_ten_windows_are_about_different_queries(monkeypatch):
+    """The samples lie in groups as large as a window, and there is one query in each."""
+    monkeypatch.setattr(module, "MANY", 300)
+    monkeypatch.setattr(module, "WINDOW", 8)
+    middles = np.arange(50.0)[:, None] * [1.0, 2.0]
+    points = np.concatenate([middles + 0.1 * one for one in uniform(8, 2, seed=0)])
+    sites = CrossValidator.of(points, points[:, 0], middles).sites
+    assert np.unique(sites % 50, return_counts=True)[1].tolist() == [8] * 10
 
 
 @pytest.mark.parametrize(
