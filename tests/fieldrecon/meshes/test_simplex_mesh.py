@@ -835,6 +835,16 @@ def test_cells_at_the_hull_that_are_left_out_make_no_crack():
     cells_fill_the_hull(SimplexMesh(points, cells))
 
 
+def test_a_crack_where_a_cell_is_left_out_is_refused(monkeypatch):
+    """Here it is one inside the mesh, which is not flat."""
+    points = rotated(grid(3))
+    inner = (delaunay._tie_broken(delaunay._in_local_frame(points))[1] >= 0).all(axis=1)
+    left_out = np.arange(len(inner)) == np.argmax(inner)
+    monkeypatch.setattr(delaunay, "_left_out", lambda *_: left_out)
+    with pytest.raises(np.linalg.LinAlgError, match="flat cells between others"):
+        delaunay._cells_without_flat_ones(points, delaunay._in_local_frame(points))
+
+
 @pytest.mark.parametrize("k", [0, 1, 2])
 def test_no_larger_cells_are_left_out_than_one_before_a_cell_of_unknown_sign(k):
     """Cells 0, 1, 2 at the hull are 1e-17, 1e-15, 1e-13 of the area; cell 3 is behind cell k."""
@@ -911,6 +921,17 @@ def test_delaunay_takes_any_distinct_points(d):
     """Where rounding of the lifted points would hide some."""
     for cloud in hard_clouds(d):
         every_point_is_a_vertex_of_an_exact_delaunay_mesh(cloud)
+
+
+@pytest.mark.parametrize(("d", "seed"), [(2, 28), (3, 0)])
+def test_a_cluster_whose_spheres_qhull_violates_has_an_exact_mesh(d, seed):
+    """All points are in Qhull's cells, but their heights are too coarse within the cluster."""
+    rng = np.random.default_rng(seed)
+    width, n, m = 10.0 ** rng.uniform(-9, -6), rng.integers(3, 9), rng.integers(0, 6)
+    far = [rng.random((m, d)), np.eye(d + 1, d)]
+    every_point_is_a_vertex_of_an_exact_delaunay_mesh(
+        np.concatenate([*far, rng.random(d) + width * rng.random((n, d))])
+    )
 
 
 def test_delaunay_keeps_close_points(monkeypatch):

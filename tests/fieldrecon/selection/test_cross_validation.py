@@ -680,6 +680,27 @@ def test_patches_hold_more_samples_where_many_are_near_duplicates():
         assert {maker.keywords["patch_size"] for maker in path} == {size}
 
 
+@pytest.mark.parametrize(("times", "spacing"), [(1, 1.0), (31, 1.0), (32, 1 / 64)])
+def test_a_station_measured_32_times_is_its_own_neighbourhood(times, spacing):
+    """Of two such stations the distance is not seen: the mean one of the samples is taken."""
+    (path,) = MODELS["pu2"].makers(np.repeat([[0.0], [1.0]], times, axis=0))
+    first, second = (maker.keywords["smoothing"] for maker in path[1:3])
+    plain = [
+        maker.keywords["smoothing"]
+        for maker in MODELS["pu2"].makers(np.array([[0.0], [1.0]]))[0][1:3]
+    ]
+    np.testing.assert_allclose([first, second], spacing**2 * np.array(plain))
+
+
+@pytest.mark.parametrize(("apart", "size"), [(0.9e-3, 120), (1.1e-3, 60)])
+def test_samples_nearer_than_a_thousandth_of_the_mean_distance_are_near_duplicates(apart, size):
+    """The mean distance of n samples of a line is their extent by n."""
+    sites = np.arange(100.0)[:, None]
+    close = sites + apart * 99 / 200
+    (path,) = MODELS["pu2"].makers(np.concatenate([sites, close]))
+    assert {maker.keywords["patch_size"] for maker in path} == {size}
+
+
 def test_the_next_best_method_replaces_one_that_fails():
     """`best` takes the next score if the attempt with the best score raises LinAlgError."""
     points = uniform(30, 2, seed=4)

@@ -143,6 +143,24 @@ def test_without_queries_each_sample_is_held_out_once():
     assert {len(fold.fitted) + len(fold.held_out) for fold in folds} == {200}
 
 
+@pytest.mark.parametrize(("gap", "wider"), [(3.0, False), (3.3, True)])
+def test_gaps_are_matched_if_they_are_half_wider_than_those_about_samples(gap, wider):
+    """Two lines of samples one apart, with the queries between them; about samples it is 2.1."""
+    points = np.concatenate([np.arange(21.0), np.arange(21.0) + 20 + gap])[:, None]
+    x = 20 + gap * np.array([[0.1], [0.5], [0.7]])
+    distance = gap * np.array([0.1, 0.5, 0.3])
+    assert gap_widths(points, points, 1).mean() == pytest.approx((40 * 2 + 2 * (1 + gap)) / 42)
+    found = module._gaps(cKDTree(points), x, distance)
+    np.testing.assert_allclose(found, gap if wider else 2 * distance)
+
+
+def test_a_sample_is_drawn_four_times_on_the_mean():
+    """If queries are so near to the samples that all draws have room, in enough folds."""
+    points = uniform(20, 2, seed=0)
+    folds = distance_matched_folds(points, np.tile(points, (9, 1)) + 1e-9, n_folds=60)
+    assert sum(len(fold.held_out) for fold in folds) == 4 * 20
+
+
 def test_a_single_sample_can_be_held_out():
     """Nothing is left to fit; the gap about it has no width."""
     for x in (None, [[1.0]]):
