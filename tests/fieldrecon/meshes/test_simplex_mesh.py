@@ -1024,6 +1024,9 @@ def test_broken_ties_give_a_mesh_where_exact_ones_do_not(seed):
     assert np.unique(cells).tolist() == [*range(len(cloud))]
     assert not signed_volumes(cloud[cells])[2].any()
     assert float(exact_volume(cloud, cells)) == pytest.approx(1, rel=1e-9)
+    for unit in (2.0**-90, 2.0**90):
+        found = delaunay.delaunay_cells(unit * cloud, by_exact_signs=True)
+        assert np.array_equal(found, cells), "ties are broken by parts of a squared distance"
 
 
 @pytest.mark.parametrize("long", [1.0, 1e-8])

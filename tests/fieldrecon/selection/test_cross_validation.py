@@ -422,6 +422,12 @@ def test_of_models_with_level_errors_the_most_cautious_is_chosen():
         assert min(compared, key=lambda score: score.rank).model.name == chosen
 
 
+def test_models_without_any_residuals_are_left_as_they_are():
+    """None of them has an error that could be level with another one."""
+    found = [ModelScore(MODELS[name], None, None, "no field") for name in ("linear", "pu")]
+    assert by_caution(found) == found
+
+
 @pytest.mark.parametrize(
     ("gain", "noise", "chosen"),
     [(0.15, 1.0, "linear"), (0.25, 1.0, "pu"), (8.0, 47.0, "linear"), (8.8, 47.0, "pu")],
