@@ -229,13 +229,16 @@ class _TextBody:
         """Return the lengths of the lists of the next row."""
         lengths, k = {}, self._position
         for p in element.properties:
-            if p.length_type and k < len(self._words):
-                lengths[p.name] = int(self._words[k])
+            if p.length_type:
+                lengths[p.name] = max(0, self._length(k)) if element.rows > 0 else 0
                 k += lengths[p.name]
-            elif p.length_type:
-                lengths[p.name] = 0
             k += 1
         return lengths
+
+    def _length(self, position: int) -> int:
+        """Return the length of the list that begins there, -1 if none does."""
+        number = self._words[position] if position < len(self._words) else -1
+        return int(number) if 0 <= number <= len(self._words) else -1
 
     def _read_row_by_row(self, element: _Element) -> dict[str, Column]:
         columns: dict[str, list[np.ndarray]] = {p.name: [] for p in element.properties}
@@ -243,9 +246,7 @@ class _TextBody:
             for p in element.properties:
                 length = 1
                 if p.length_type:
-                    if self._position >= len(self._words):
-                        raise element.truncated(row)
-                    length = int(self._words[self._position])
+                    length = self._length(self._position)
                     self._position += 1
                 values = self._words[self._position : self._position + length]
                 if len(values) < length or length < 0:

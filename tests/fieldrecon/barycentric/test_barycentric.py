@@ -572,6 +572,25 @@ def test_a_triangle_may_have_vertices_inside_each_edge():
     assert (ring.tolist(), edges) == ([*range(8)], [])
 
 
+@pytest.mark.parametrize(("bend", "apart"), [(1e-9, 1e-7), (1e-7, 1e-8), (1e-4, 1e-11)])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_vertex_beside_a_nearly_straight_corner_hangs_in_one_edge(bend, apart, side):
+    """It is within rounding of the line of the other edge, too, but beyond its end."""
+    beside = [1 + side * apart, -bend * (1 - apart)]
+    corners, (edge,) = hanging_vertices(np.array([[0, 0], [1, -bend], [2, 0], [1, 1.5], beside]))
+    assert corners.tolist() == [0, 1, 2, 3]
+    assert edge.tolist() == ([1, 4, 2] if side > 0 else [0, 4, 1])
+
+
+def test_beyond_an_edge_with_hanging_vertices_linear_fields_are_reproduced():
+    """A query on its line is not on the edge."""
+    coordinates = BarycentricCoordinates([[0, 0], [1, 0], [2, 0], [3, 2], [0, 1]])
+    x = np.array([[-0.5, 0.0], [-1.9, 0.0], [2.5, 0.0], [3.9, 0.0]])
+    w = coordinates.weights(x)
+    assert_close(w @ coordinates.points, x, 1e-12)
+    assert not w[:, 1].any()
+
+
 class WithoutWeightOnTheirEdge(BarycentricCoordinates):
     """Coordinates of the corners alone, on all edges."""
 

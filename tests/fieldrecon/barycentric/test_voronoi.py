@@ -13,7 +13,7 @@ from scipy.stats import ortho_group
 
 from fieldrecon._core.chunks import Inline
 from fieldrecon.barycentric.coordinates import BarycentricCoordinates
-from fieldrecon.barycentric.voronoi import VoronoiCell, _ranked, voronoi_weights
+from fieldrecon.barycentric.voronoi import VoronoiCell, _merged, _ranked, voronoi_weights
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
 from laws import assert_counted, assert_same_bits
 from polytopes import HEXAGON, PYRAMID, RHOMBIC_DODECAHEDRON, kuhn, regular, star, voronoi_cell
@@ -276,6 +276,7 @@ def test_voronoi_weights_do_not_depend_on_the_executor():
     )
     assert_same_bits(there, here)
     assert_counted(calls, len(vertices))
+    assert calls[-1] == (len(vertices), len(vertices))
 
 
 def test_one_vertex_may_be_given_for_all_queries():
@@ -401,6 +402,15 @@ def test_linear_precision_of_any_star_in_any_dimension():
             terms.append(weighted_corner(edges, x, volume))
         assert [sum(column) for column in zip(*terms, strict=True)] == [0] * d
         assert any(sum(column) != 0 for column in zip(*terms[1:], strict=True))
+
+
+def test_only_neighbours_with_the_same_circumcentre_share_a_corner():
+    """In a star that is not Delaunay, others may have it by chance."""
+    ring = np.array([[0, 1], [1, 2], [2, 3], [3, 4], [4, 0]])
+    centers = np.array([[0.0, 0.0], [0.0, 1e-9], [5.0, 0.0], [0.0, 0.0], [0.0, 3.0]])
+    assert _merged(centers, ring, 1e-8).tolist() == [0, 0, 1, 2, 3]
+    in_space = np.array([[0, 1, 2], [0, 1, 3], [2, 3, 4], [0, 5, 6], [7, 8, 9]])
+    assert _merged(np.zeros((5, 3)), in_space, 1e-8).tolist() == [0, 0, 1, 2, 3]
 
 
 def test_distinct_entries_of_rows_and_their_ranks():

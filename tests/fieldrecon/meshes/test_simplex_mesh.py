@@ -22,7 +22,7 @@ from fieldrecon.meshes.delaunay import _outer, _refuse_cracks, _violations
 from fieldrecon.meshes.duals import barycentric_dual, circumcentric_dual
 from fieldrecon.meshes.exact_delaunay import _independent, _is_independent, exact_delaunay_cells
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
-from fieldrecon.meshes.simplices import signed_volumes
+from fieldrecon.meshes.simplices import signed_volumes, units
 from rational import determinant, dot, minus, rational
 
 EPS = np.finfo(float).eps
@@ -698,6 +698,11 @@ TETRAHEDRA = np.vstack([np.zeros(3), np.eye(3), [1, 1, 1]])
             r"at most two cells .* face \[0, 1\] belongs to the cells 0, 1, 2",
         ),
         (
+            [[0, 0], [1, 0], [0, 1], [1, -1], [-1, 0], [-1, 1]],
+            [[0, 1, 3], [0, 1, 2], [0, 2, 4], [0, 2, 5]],
+            r"at most two cells .* face \[0, 2\] belongs to the cells 1, 2, 3",
+        ),
+        (
             SQUARE,
             [[0, 1, 2], [0, 1, 3]],
             r"must not overlap; the cells 0 and 1 lie on the same side of .* face \[0, 1\]",
@@ -736,6 +741,16 @@ def test_a_tetrahedron_of_two_short_distant_edges_is_not_flat():
     h = 1e-10
     mesh = SimplexMesh([[0, 0, 0], [h, 0, 0], [0, 0, 1], [0, h, 1]], [[0, 1, 2, 3]])
     assert math.isclose(mesh.cell_measures[0], h * h / 6, rel_tol=1e-14)
+
+
+def test_the_unit_of_a_simplex_is_the_power_of_two_below_its_size():
+    """The largest component of its edges is one or two such units; that of a point is one."""
+    edges = np.random.default_rng(0).standard_normal((50, 3, 3))
+    edges *= 10.0 ** np.arange(-25, 25)[:, None, None]
+    ratio = np.abs(edges).max(axis=(1, 2)) / units(edges)
+    assert ((ratio >= 1) & (ratio < 2)).all()
+    assert units(np.zeros((1, 3, 3))).tolist() == [1.0]
+    assert units(-np.ones((1, 1, 2))).tolist() == [1.0]
 
 
 @pytest.mark.parametrize("d", [2, 3])
@@ -811,6 +826,40 @@ def test_flat_cells_are_left_out_only_at_the_hull():
     assert _outer(neighbors, flat).tolist() == [False, False, False, True, True]
 
 
+def test_cells_at_the_hull_that_are_left_out_make_no_crack():
+    """Broken ties of a turned grid suffice for a mesh; exact signs take longer."""
+    points = rotated(grid(3))
+    cells = delaunay._cells_without_flat_ones(points, delaunay._in_local_frame(points))
+    assert np.unique(cells).tolist() == [*range(len(points))]
+    assert signed_volumes(points[cells])[0].size < len(delaunay._tie_broken(points)[0])
+    cells_fill_the_hull(SimplexMesh(points, cells))
+
+
+def test_a_crack_where_a_cell_is_left_out_is_refused(monkeypatch):
+    """Here it is one inside the mesh, which is not flat."""
+    points = rotated(grid(3))
+    inner = (delaunay._tie_broken(delaunay._in_local_frame(points))[1] >= 0).all(axis=1)
+    left_out = np.arange(len(inner)) == np.argmax(inner)
+    monkeypatch.setattr(delaunay, "_left_out", lambda *_: left_out)
+    with pytest.raises(np.linalg.LinAlgError, match="flat cells between others"):
+        delaunay._cells_without_flat_ones(points, delaunay._in_local_frame(points))
+
+
+@pytest.mark.parametrize("k", [0, 1, 2])
+def test_no_larger_cells_are_left_out_than_one_before_a_cell_of_unknown_sign(k):
+    """Cells 0, 1, 2 at the hull are 1e-17, 1e-15, 1e-13 of the area; cell 3 is behind cell k."""
+    size = 3e-8 * 10.0 ** np.arange(3)
+    tiny = [[[i, 0], [i + h, 0], [i, h]] for i, h in enumerate(size)]
+    points = np.array([*np.concatenate(tiny), [3, 0], [0, 9]])
+    large = [[i, 9, 10] for i in range(9) if i % 3 == 2]
+    line, beside = [3 * k, 3 * k + 1, 9], [[0, 1, 10], [3, 4, 10], [6, 7, 10]]
+    cells = np.array([[0, 1, 2], [3, 4, 5], [6, 7, 8], line, *large, *beside])
+    neighbors = np.full(cells.shape, -1)
+    neighbors[3] = [5, 6, k]
+    left_out = delaunay._left_out(points, cells, neighbors)
+    assert np.flatnonzero(left_out).tolist() == [*range(k + 1), 3]
+
+
 @pytest.mark.parametrize("d", [2, 3])
 def test_cells_with_a_hole_inside_are_refused(d):
     """The boundary of all cells is the hull; an inner cell that is left out adds its own."""
@@ -872,6 +921,17 @@ def test_delaunay_takes_any_distinct_points(d):
     """Where rounding of the lifted points would hide some."""
     for cloud in hard_clouds(d):
         every_point_is_a_vertex_of_an_exact_delaunay_mesh(cloud)
+
+
+@pytest.mark.parametrize(("d", "seed"), [(2, 28), (3, 0)])
+def test_a_cluster_whose_spheres_qhull_violates_has_an_exact_mesh(d, seed):
+    """All points are in Qhull's cells, but their heights are too coarse within the cluster."""
+    rng = np.random.default_rng(seed)
+    width, n, m = 10.0 ** rng.uniform(-9, -6), rng.integers(3, 9), rng.integers(0, 6)
+    far = [rng.random((m, d)), np.eye(d + 1, d)]
+    every_point_is_a_vertex_of_an_exact_delaunay_mesh(
+        np.concatenate([*far, rng.random(d) + width * rng.random((n, d))])
+    )
 
 
 def test_delaunay_keeps_close_points(monkeypatch):
@@ -969,6 +1029,9 @@ def test_broken_ties_give_a_mesh_where_exact_ones_do_not(seed):
     assert np.unique(cells).tolist() == [*range(len(cloud))]
     assert not signed_volumes(cloud[cells])[2].any()
     assert float(exact_volume(cloud, cells)) == pytest.approx(1, rel=1e-9)
+    for unit in (2.0**-90, 2.0**90):
+        found = delaunay.delaunay_cells(unit * cloud, by_exact_signs=True)
+        assert np.array_equal(found, cells), "ties are broken by parts of a squared distance"
 
 
 @pytest.mark.parametrize("long", [1.0, 1e-8])

@@ -35,6 +35,19 @@ def test_circles_are_ellipses_of_the_same_area(one):
     assert along @ m @ across == pytest.approx(0, abs=1e-12)
 
 
+def test_a_direction_is_named_by_its_angle_below_180_degrees():
+    """The opposite direction is the same one."""
+    for angle, name in ((0.0, "0"), (180.5, "0.5"), (400.0, "40"), (-70.0, "110")):
+        assert str(Anisotropy(3.0, angle)) == f"ranges 3 times as long along {name}°"
+
+
+@pytest.mark.parametrize(("ratio", "angle"), [(1.0, 0.0), (np.inf, 0.0), (2.0, np.inf)])
+def test_the_ratio_is_above_one_and_both_numbers_are_finite(ratio, angle):
+    with pytest.raises(ValueError, match=f"a ratio above 1 .* got {ratio:g} and {angle:g}$"):
+        Anisotropy(ratio, angle)
+    assert Anisotropy(1.0 + 1e-9, 0.0).ratio > 1
+
+
 @pytest.mark.parametrize("name", [name for name in MODELS if not MODELS[name].parts])
 def test_a_model_is_the_isotropic_one_in_other_coordinates(name):
     """Also its smoothing, which is in units of the distances."""

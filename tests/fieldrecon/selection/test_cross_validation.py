@@ -56,6 +56,26 @@ def test_variants_have_more_and_more_smoothing_in_units_of_their_kernel(name):
             np.testing.assert_allclose(there, here * unit**power, rtol=1e-12)
 
 
+@pytest.mark.parametrize("name", ALONE)
+def test_a_model_is_what_its_meaning_says(name):
+    """Its degree or kernel; the kernel r is smoothed about constants, too, the others about planes.
+
+    Global polynomials and global kernels are tried unasked on as many samples as the guide says.
+    """
+    model, points = MODELS[name], uniform(80, 2, seed=0)
+    methods = [path[-1](points) for path in model.makers(points)]
+    degrees = [method.degree for method in methods]
+    if "squares" in model.meaning:
+        assert degrees == [1 if "plane" in model.meaning else int(model.meaning[-1])]
+    else:
+        (power,) = {method.kernel.homogeneity for method in methods}
+        kernel = {1: " r,", 2: "plate", 3: " r³", 5: " r⁵"}[power]
+        assert kernel in model.meaning
+        if "smoothed" in model.meaning:
+            assert degrees == ([0, 1] if power == 1 else [1])
+    assert model.max_samples == {"LS": 20_000, "RBF": 1000}.get(model.family, np.inf)
+
+
 @pytest.mark.parametrize(("where", "size"), [([[2.0]], 60), ([[2.0]] * 3, 120)])
 def test_a_single_site_has_the_spacing_one(where, size):
     """Whether it has one sample or several: these count as one, so a patch has more of them."""
@@ -199,6 +219,14 @@ def test_there_are_gaps_only_where_queries_are_farther_than_samples_are_apart():
         (uniform(2000, 2, seed=0), everywhere, False),
     ):
         assert CrossValidator.of(sites, sites[:, 0], x).has_gaps is gaps
+
+
+@pytest.mark.parametrize(("distance", "gaps"), [(1.4, False), (1.6, True)])
+def test_samples_held_out_at_one_and_a_half_times_their_distance_are_beside_gaps(distance, gaps):
+    lattice = np.stack(np.meshgrid(*[np.arange(8.0)] * 2), axis=-1).reshape(-1, 2)
+    validator = CrossValidator.of(lattice, lattice[:, 0])
+    validator.__dict__["distances"] = distance + np.tile([-1.0, 1.0], 32)
+    assert validator.has_gaps is gaps
 
 
 @pytest.mark.slow
@@ -402,6 +430,12 @@ def test_of_equally_cautious_models_the_one_of_less_error_is_chosen(pair):
     compared = by_caution([score_of(name, e) for name, e in zip(pair, errors, strict=True)])
     assert [score.caution for score in compared] == [0, 0]
     assert min(compared, key=lambda score: score.rank).model.name == pair[0]
+
+
+def test_models_without_any_residuals_are_left_as_they_are():
+    """None of them has an error that could be level with another one."""
+    found = [ModelScore(MODELS[name], None, None, "no field") for name in ("linear", "pu")]
+    assert by_caution(found) == found
 
 
 @pytest.mark.parametrize(
@@ -621,6 +655,16 @@ def test_a_window_is_the_neighbourhood_of_a_query(monkeypatch, seed):
     assert [k for k, near in enumerate(own) if {*near[:80]} == {*validator.sites}]
 
 
+def test_ten_windows_are_about_different_queries(monkeypatch):
+    """The samples lie in groups as large as a window, and there is one query in each."""
+    monkeypatch.setattr(module, "MANY", 300)
+    monkeypatch.setattr(module, "WINDOW", 8)
+    middles = np.arange(50.0)[:, None] * [1.0, 2.0]
+    points = np.concatenate([middles + 0.1 * one for one in uniform(8, 2, seed=0)])
+    sites = CrossValidator.of(points, points[:, 0], middles).sites
+    assert np.unique(sites % 50, return_counts=True)[1].tolist() == [8] * 10
+
+
 @pytest.mark.parametrize(
     ("variances", "floor"),
     [
@@ -650,6 +694,27 @@ def test_patches_hold_more_samples_where_many_are_near_duplicates():
     ):
         (path, *_) = MODELS["pu1"].makers(np.concatenate([points, repeated + 1e-9]))
         assert {maker.keywords["patch_size"] for maker in path} == {size}
+
+
+@pytest.mark.parametrize(("times", "spacing"), [(1, 1.0), (31, 1.0), (32, 1 / 64)])
+def test_a_station_measured_32_times_is_its_own_neighbourhood(times, spacing):
+    """Of two such stations the distance is not seen: the mean one of the samples is taken."""
+    (path,) = MODELS["pu2"].makers(np.repeat([[0.0], [1.0]], times, axis=0))
+    first, second = (maker.keywords["smoothing"] for maker in path[1:3])
+    plain = [
+        maker.keywords["smoothing"]
+        for maker in MODELS["pu2"].makers(np.array([[0.0], [1.0]]))[0][1:3]
+    ]
+    np.testing.assert_allclose([first, second], spacing**2 * np.array(plain))
+
+
+@pytest.mark.parametrize(("apart", "size"), [(0.9e-3, 120), (1.1e-3, 60)])
+def test_samples_nearer_than_a_thousandth_of_the_mean_distance_are_near_duplicates(apart, size):
+    """The mean distance of n samples of a line is their extent by n."""
+    sites = np.arange(100.0)[:, None]
+    close = sites + apart * 99 / 200
+    (path,) = MODELS["pu2"].makers(np.concatenate([sites, close]))
+    assert {maker.keywords["patch_size"] for maker in path} == {size}
 
 
 def test_the_next_best_method_replaces_one_that_fails():

@@ -143,6 +143,31 @@ def test_without_queries_each_sample_is_held_out_once():
     assert {len(fold.fitted) + len(fold.held_out) for fold in folds} == {200}
 
 
+@pytest.mark.parametrize(("gap", "wider"), [(3.0, False), (3.3, True)])
+def test_gaps_are_matched_if_they_are_half_wider_than_those_about_samples(gap, wider):
+    """Two lines of samples one apart, with the queries between them; about samples it is 2.1."""
+    points = np.concatenate([np.arange(21.0), np.arange(21.0) + 20 + gap])[:, None]
+    x = 20 + gap * np.array([[0.1], [0.5], [0.7]])
+    distance = gap * np.array([0.1, 0.5, 0.3])
+    assert gap_widths(points, points, 1).mean() == pytest.approx((40 * 2 + 2 * (1 + gap)) / 42)
+    found = module._gaps(cKDTree(points), x, distance)
+    np.testing.assert_allclose(found, gap if wider else 2 * distance)
+
+
+def test_a_sample_is_drawn_four_times_on_the_mean():
+    """If queries are so near to the samples that all draws have room, in enough folds."""
+    points = uniform(20, 2, seed=0)
+    folds = distance_matched_folds(points, np.tile(points, (9, 1)) + 1e-9, n_folds=60)
+    assert sum(len(fold.held_out) for fold in folds) == 4 * 20
+
+
+def test_a_single_sample_can_be_held_out():
+    """Nothing is left to fit; the gap about it has no width."""
+    for x in (None, [[1.0]]):
+        folds = distance_matched_folds([[0.0]], x)
+        assert {(*fold.held_out, len(fold.fitted)) for fold in folds} == {(0, 0)}
+
+
 def test_queries_too_far_for_any_fold_leave_the_range_of_validation():
     """A query a thousand extents away changes nothing but is beyond all held-out samples."""
     points = uniform(300, 2, seed=0)
@@ -228,6 +253,28 @@ def test_a_held_out_sample_leaves_out_its_neighbourhood_and_the_other_side_of_a_
     for apart, excluded in ((0.6, [0]), (0.4, [0, 1])):
         line = cKDTree([[0.0], [apart], [3.0]])
         assert module._Draw.of(line, 0, 1.0, 2.0).excluded.tolist() == excluded
+    line = cKDTree([[-1.0], [0.0], [0.5]])
+    for gap, excluded in ((1.25, [1]), (1.26, [0, 1])):  # the first sample may be at its end
+        draw = module._Draw.of(line, 1, 0.25, gap)
+        assert draw.excluded.tolist() == draw.touched.tolist() == excluded
+
+
+@pytest.mark.parametrize(("folds", "most"), [(1, 20), (3, 60), (4, 60), (5, 90), (12, 60)])
+@pytest.mark.parametrize("n", [63, 80])
+def test_draws_are_given_up_until_the_distances_of_those_with_room_are_theirs(n, folds, most):
+    """To a tenth of their mean: first the last fifth; of 50, the farthest 2 %, to 25 at least."""
+    kept = some_draws()[2][:n]
+    while True:
+        placed = [draw for own in module._placed(kept, 300, folds, most) for draw in own]
+        wanted, found = ([draw.radius for draw in some] for some in (kept, placed))
+        if wasserstein_distance(found, wanted) <= 0.1 * np.mean(wanted) or len(kept) <= 25:
+            break
+        farthest = np.quantile(wanted, int(0.98 * len(kept)) / len(kept), method="inverted_cdf")
+        fewer = [draw for draw in kept if draw.radius <= farthest]
+        kept = kept[: int(0.8 * len(kept))] if len(kept) > 50 else fewer
+    packed = module._packed(some_draws()[2][:n], 300, folds, most)
+    held_out = [center for fold in packed for center in fold.held_out]
+    assert held_out == [draw.center for draw in placed]
 
 
 @pytest.mark.parametrize("most", [30, 60])

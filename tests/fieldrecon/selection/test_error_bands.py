@@ -188,6 +188,13 @@ def test_where_the_residuals_vanish_the_roughness_is_a_thousandth():
     assert rough(np.array([[0.1, 0.5]])) == pytest.approx(1e-3)
 
 
+def test_where_many_samples_coincide_the_roughness_is_that_of_all_near_by():
+    """Their distances are zero, and so is that of the next sample."""
+    points = np.concatenate([np.zeros((40, 2)), fr.datasets.uniform(40, 2, seed=0) + 5])
+    rough = module._Roughness(points, np.repeat([2.0, 1.0], 40))
+    assert rough(np.zeros((1, 2))) == pytest.approx(np.sqrt(4 / 2.5), rel=1e-5)
+
+
 @pytest.mark.parametrize(("n", "bins"), [(30, 1), (100, 2), (399, 9), (1000, 10)])
 def test_bins_by_distance_divide_the_held_out_samples(n, bins):
     """Their numbers of samples differ by at most one. Their mean coverage is the total one."""

@@ -11,7 +11,14 @@ from scipy.spatial import Delaunay
 from fieldrecon._core import chunks as _chunks
 from fieldrecon.datasets.synthetic import clustered, uniform
 from fieldrecon.methods.globe import to_unit
-from fieldrecon.selection.extrapolation import AMONG, GAP, OUTSIDE, extrapolated, outside_hull
+from fieldrecon.selection.extrapolation import (
+    AMONG,
+    GAP,
+    OUTSIDE,
+    _in_gap,
+    extrapolated,
+    outside_hull,
+)
 
 
 @pytest.mark.slow
@@ -90,6 +97,14 @@ def test_a_gap_needs_sixteen_nearer_neighbours_of_the_nearest_sample(nearer, mea
     far = [[50.0, -50.0], [50.0, 50.0]]
     points = np.vstack([np.zeros((1, 2)), about, 2 * about, far])
     assert extrapolated(points, np.array([[1.5, 0.0]])).tolist() == [meaning]
+
+
+def test_a_query_as_far_as_the_sixteenth_neighbour_is_in_no_gap():
+    """Only fifteen are nearer to the nearest sample than the query is."""
+    line = np.arange(40.0)[:, None]
+    assert _in_gap(line, np.array([[-15.5], [-16.0], [-16.5]])).tolist() == [False, False, True]
+    assert not _in_gap(line[:16], np.array([[-99.0]])).any()
+    assert _in_gap(line[:17], np.array([[-99.0]])).all()
 
 
 def test_the_space_between_tracks_is_a_gap():
