@@ -236,3 +236,17 @@ def test_a_strip_of_two_points_has_no_triangle(tmp_path):
     path = tmp_path / "cloud.ply"
     path.write_bytes(ply("ascii", strip=[0, 1]))
     assert read_cloud(path).triangles.shape == (0, 3)
+
+
+@pytest.mark.parametrize("kind", ["ascii", *ORDERS])
+@pytest.mark.parametrize("length", [-1, -2])
+def test_a_list_of_negative_length_ends_the_file(tmp_path, kind, length):
+    """What follows it cannot be read: the rows before it are counted."""
+    content = ply(kind, faces=[[0, 1, 2], [3, 4, 5], [6, 7, 8]]).replace(b"list uchar", b"list char")
+    if kind == "ascii":
+        content = content.replace(b"7 3 3 4 5", b"7 %d 3 4 5" % length)
+    else:
+        content = content[:-27] + struct.pack("b", length) + content[-26:]
+    (tmp_path / "cloud.ply").write_bytes(content)
+    with pytest.raises(ValueError, match="it announces 3 faces and holds 1"):
+        read_ply(tmp_path / "cloud.ply")
