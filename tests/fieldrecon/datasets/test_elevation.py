@@ -115,6 +115,27 @@ def test_isolines_commute_with_exchanging_x_and_y():
     np.testing.assert_allclose(a[np.lexsort(a.T)], b[:, ::-1][np.lexsort(b[:, ::-1].T)], atol=EXACT)
 
 
+def test_points_on_isolines_are_kept_one_after_the_other():
+    """The literal way: a point is kept if none that was kept on its level is as close.
+
+    At a distance larger than the map, one is kept on each level.
+    """
+    x, y = 10.0 * np.arange(12), 15.0 * np.arange(9)
+    height = np.floor(20 * np.cos(x / 30) + 15 * np.sin(y / 25)[:, None])
+    land = Terrain(x, y, height)
+    points, levels = land.isolines(4)
+    kept = []
+    for i, point in enumerate(points):
+        on_level = [j for j in kept if levels[j] == levels[i]]
+        if all(np.linalg.norm(point - points[j]) > 12 for j in on_level):
+            kept.append(i)
+    assert len(points) / 4 < len(kept) < len(points)
+    thinned, of_level = land.isolines(4, apart=12)
+    assert thinned.tolist() == points[kept].tolist()
+    assert of_level.tolist() == levels[kept].tolist()
+    assert sorted(land.isolines(4, apart=1e12)[1]) == sorted({*levels})
+
+
 @pytest.mark.slow
 def test_thinned_isolines_are_a_maximal_set_of_distant_points(land):
     """Points on one level are more than `apart` metres from each other.

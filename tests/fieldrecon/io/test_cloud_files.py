@@ -83,6 +83,7 @@ def test_triangle_strips_are_consistently_oriented(tmp_path, kind):
         [[0, 1]],
         [[2, 0, 1]],
         [[0, 1, 2, 3], [4, 5, 6, 7, 7, 8]],
+        [[*range(7, 14)]],
         [[0, 1, 2, 3, 4], [5, 6, 7, 7, 8], [9, 10]],
         [[3, 4], [5, 6, 5, 7], [], [8, 8, 9, 10]],
     ):
@@ -307,13 +308,15 @@ def test_equally_long_lists_are_one_array_of_their_type(tmp_path, kind, few):
     head = f"ply\nformat {kind} 1.0\nelement row 2\nproperty uchar flag\n"
     head += "property list uchar int long\nproperty double weight\n"
     head += "property list ushort short few\nelement end 1\nproperty list uchar int long\n"
+    head += "element nothing 0\nelement mark 2\nproperty uchar mark\n"
     rows = [(k, 3, k, -5, 6, k / 4, few, *range(k, k + few)) for k in (1, 2)]
     if kind == "ascii":
-        body = "".join(" ".join(map(str, row)) + "\n" for row in [*rows, (1, 9)]).encode()
+        rows += [(1, 9), (4,), (5,)]
+        body = "".join(" ".join(map(str, row)) + "\n" for row in rows).encode()
     else:
         o = ORDERS[kind]
         body = b"".join(struct.pack(f"{o}BBiiidH{few}h", *row) for row in rows)
-        body += struct.pack(f"{o}Bi", 1, 9)
+        body += struct.pack(f"{o}BiBB", 1, 9, 4, 5)
     (tmp_path / "a.ply").write_bytes(f"{head}end_header\n".encode() + body)
     read = read_elements(tmp_path / "a.ply")
     wanted = {
@@ -325,6 +328,7 @@ def test_equally_long_lists_are_one_array_of_their_type(tmp_path, kind, few):
     for name, array in wanted.items():
         np.testing.assert_array_equal(read["row"][name], array, strict=True)
     assert read["end"]["long"].tolist() == [[9]]
+    assert (read["nothing"], read["mark"]["mark"].tolist()) == ({}, [4, 5])
 
 
 @pytest.mark.parametrize("kind", ORDERS)

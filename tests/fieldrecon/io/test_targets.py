@@ -125,6 +125,7 @@ def test_netcdf_files_keep_variables_and_dimensions(tmp_path, targets):
     """Variables have the dimensions of the grid or of the points; flags state their meanings."""
     result = result_at(targets)
     FORMATS["nc"](tmp_path / "a.nc", result)
+    assert (tmp_path / "a.nc").read_bytes().startswith(b"CDF\x02")  # offsets of 64 bits
     with netcdf_file(tmp_path / "a.nc", mmap=False) as file:
         value = file.variables["a_b_c"]
         assert np.array_equal(value.data.ravel(), result.values)
@@ -275,6 +276,21 @@ def test_npz_files_keep_the_rows_of_a_table_of_targets(tmp_path):
     assert np.array_equal(found["values"][good], values)
     assert np.array_equal(found["error"][good], 10 * values)
     assert all(np.isnan(array[1]).all() and array.shape == (4, 2) for array in found.values())
+
+
+def test_npz_files_keep_several_values_on_a_grid(tmp_path):
+    """The values of a node stand together; of equal names without units, one is numbered."""
+    grid = TARGETS["grid"]
+    values = np.arange(24.0).reshape(12, 2)
+    names, marks = ("x", "y", "wind [m/s]", "wind [km/h]"), np.zeros(12, np.int8)
+    result = TargetValues(names, grid, values, 10 * values, marks)
+    assert [*result.columns] == [
+        *("wind [m/s]", "error of wind", "wind [km/h]", "error of wind_2", "extrapolated")
+    ]
+    FORMATS["npz"](tmp_path / "a.npz", result)
+    with np.load(tmp_path / "a.npz") as stored:
+        assert np.array_equal(stored["values"], values.reshape(3, 4, 2))
+        assert np.array_equal(stored["error"], 10 * values.reshape(3, 4, 2))
 
 
 def test_targets_may_be_the_vertices_of_a_mesh(tmp_path):
