@@ -51,11 +51,16 @@ def test_y_points_north(land):
 
 
 def test_a_cell_has_the_size_of_three_seconds_of_arc(land):
-    """At 36.3° N a degree is 89.8 km along the parallel and 111.0 km along the meridian."""
+    """At 36.3° N a degree is 89.8 km along the parallel and 111.0 km along the meridian.
+
+    This is the middle of 344 rows.
+    """
     assert np.ptp(np.diff(land.x)) < EXACT
     assert np.ptp(np.diff(land.y)) < EXACT
     assert land.x[1] * 1.2 == pytest.approx(89.8, abs=0.05)
     assert land.y[1] * 1.2 == pytest.approx(111.0, abs=0.05)
+    east, north = elevation._metres_per_degree(NORTH - 344 / 2 * DEGREES)
+    assert (land.x[1], land.y[1]) == pytest.approx((east * DEGREES, north * DEGREES))
 
 
 def test_the_length_of_a_degree_is_exact_at_equator_and_pole():

@@ -138,6 +138,8 @@ def test_tables_are_read_as_clouds(tmp_path, suffix):
             lengths = np.full(len(POINTS), factor)
             np.savetxt(path, np.hstack([POINTS, lengths[:, None] * POINTS]))
             assert (read_cloud(path).normals is not None) == normals
+        np.savetxt(path, np.hstack([both, np.full((len(both), 2), 7)]))
+        np.testing.assert_allclose(read_cloud(path).normals, POINTS)
         for length in (0.9, 1.1):
             np.savetxt(path, np.hstack([POINTS, 0 * POINTS + [0, length, 0]]))
             assert read_cloud(path).normals is None
@@ -341,3 +343,15 @@ def test_a_list_of_no_faces_before_others_is_empty(tmp_path, kind):
     read = read_elements(tmp_path / "a.ply")
     assert read["face"]["corners"].shape == (0, 0)
     assert read["tristrips"]["vertex_indices"].tolist() == [[4, 5, 6]]
+
+
+def test_a_normal_that_is_not_finite_is_unknown(tmp_path):
+    """It is zero in all its components, and the others are kept, as are their points."""
+    points, normals = POINTS.copy(), 2 * POINTS
+    normals[3, 1], normals[7, 0], points[5, 2] = np.nan, np.inf, np.nan
+    (tmp_path / "cloud.ply").write_bytes(ply("ascii", points=points, normals=normals))
+    cloud = read_cloud(tmp_path / "cloud.ply")
+    wanted = 2 * POINTS
+    wanted[[3, 7]] = 0
+    np.testing.assert_array_equal(cloud.normals, np.delete(wanted, 5, axis=0))
+    np.testing.assert_array_equal(cloud.points, np.delete(POINTS, 5, axis=0))
