@@ -355,3 +355,14 @@ def test_a_normal_that_is_not_finite_is_unknown(tmp_path):
     wanted[[3, 7]] = 0
     np.testing.assert_array_equal(cloud.normals, np.delete(wanted, 5, axis=0))
     np.testing.assert_array_equal(cloud.points, np.delete(POINTS, 5, axis=0))
+
+
+def test_a_text_may_end_before_a_list(tmp_path):
+    """None is wanted there, or the rows above are counted."""
+    path = tmp_path / "a.ply"
+    head = "ply\nformat ascii 1.0\nelement face {}\nproperty list uchar int corners\nend_header\n"
+    path.write_text(head.format(0))
+    assert read_elements(path)["face"]["corners"].shape == (0, 0)
+    path.write_text(head.format(3) + "3 0 1 2\n4 0 1 2 3\n")
+    with pytest.raises(ValueError, match="it announces 3 faces and holds 2"):
+        read_elements(path)
