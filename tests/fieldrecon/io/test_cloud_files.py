@@ -212,6 +212,7 @@ def test_normals_of_zero_are_no_normals(tmp_path):
     [
         ("a.ply", b"solid", "does not begin with the word ply"),
         ("a.ply", b"ply\nformat ascii 1.0\n", "header has no end"),
+        ("a.ply", b"ply\nformat ascii 1.0\nend_header", "header has no end"),
         ("a.ply", b"ply\nformat binary 1.0\nend_header\n", "the line 'format binary 1.0'"),
         ("a.ply", b"ply\nformat ascii 1.0\nelement face 0\nend_header\n", "no vertices with x"),
         *(
