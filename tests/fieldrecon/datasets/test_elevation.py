@@ -51,11 +51,16 @@ def test_y_points_north(land):
 
 
 def test_a_cell_has_the_size_of_three_seconds_of_arc(land):
-    """At 36.3° N a degree is 89.8 km along the parallel and 111.0 km along the meridian."""
+    """At 36.3° N a degree is 89.8 km along the parallel and 111.0 km along the meridian.
+
+    This is the middle of 344 rows.
+    """
     assert np.ptp(np.diff(land.x)) < EXACT
     assert np.ptp(np.diff(land.y)) < EXACT
     assert land.x[1] * 1.2 == pytest.approx(89.8, abs=0.05)
     assert land.y[1] * 1.2 == pytest.approx(111.0, abs=0.05)
+    east, north = elevation._metres_per_degree(NORTH - 344 / 2 * DEGREES)
+    assert (land.x[1], land.y[1]) == pytest.approx((east * DEGREES, north * DEGREES))
 
 
 def test_the_length_of_a_degree_is_exact_at_equator_and_pole():
@@ -113,6 +118,27 @@ def test_isolines_commute_with_exchanging_x_and_y():
     transposed = Terrain(part.y, part.x, part.height.T)
     (a, _), (b, _) = part.isolines(20), transposed.isolines(20)
     np.testing.assert_allclose(a[np.lexsort(a.T)], b[:, ::-1][np.lexsort(b[:, ::-1].T)], atol=EXACT)
+
+
+def test_points_on_isolines_are_kept_one_after_the_other():
+    """The literal way: a point is kept if none that was kept on its level is as close.
+
+    At a distance larger than the map, one is kept on each level.
+    """
+    x, y = 10.0 * np.arange(12), 15.0 * np.arange(9)
+    height = np.floor(20 * np.cos(x / 30) + 15 * np.sin(y / 25)[:, None])
+    land = Terrain(x, y, height)
+    points, levels = land.isolines(4)
+    kept = []
+    for i, point in enumerate(points):
+        on_level = [j for j in kept if levels[j] == levels[i]]
+        if all(np.linalg.norm(point - points[j]) > 12 for j in on_level):
+            kept.append(i)
+    assert len(points) / 4 < len(kept) < len(points)
+    thinned, of_level = land.isolines(4, apart=12)
+    assert thinned.tolist() == points[kept].tolist()
+    assert of_level.tolist() == levels[kept].tolist()
+    assert sorted(land.isolines(4, apart=1e12)[1]) == sorted({*levels})
 
 
 @pytest.mark.slow

@@ -83,6 +83,7 @@ def test_triangle_strips_are_consistently_oriented(tmp_path, kind):
         [[0, 1]],
         [[2, 0, 1]],
         [[0, 1, 2, 3], [4, 5, 6, 7, 7, 8]],
+        [[*range(7, 14)]],
         [[0, 1, 2, 3, 4], [5, 6, 7, 7, 8], [9, 10]],
         [[3, 4], [5, 6, 5, 7], [], [8, 8, 9, 10]],
     ):
@@ -112,7 +113,10 @@ def test_normals_are_taken_from_triangles_if_the_file_has_none(tmp_path):
 
 @pytest.mark.parametrize("suffix", [".xyz", ".csv", ".npz"])
 def test_tables_are_read_as_clouds(tmp_path, suffix):
-    """Columns 4 to 6 without names are normals if nine tenths have a length of about one."""
+    """Columns 4 to 6 without names are normals if more than nine tenths are about one long.
+
+    Those with names have any length.
+    """
     path = tmp_path / f"cloud{suffix}"
     both = np.hstack([POINTS + 5, POINTS])
     if suffix == ".npz":
@@ -123,6 +127,10 @@ def test_tables_are_read_as_clouds(tmp_path, suffix):
     cloud = read_cloud(path)
     np.testing.assert_allclose(cloud.points, POINTS + 5)
     np.testing.assert_allclose(cloud.normals, POINTS)
+    if suffix == ".csv":
+        many = np.hstack([POINTS, 9 * POINTS])
+        np.savetxt(path, many, delimiter=",", header=header, comments="")
+        np.testing.assert_allclose(read_cloud(path).normals, 9 * POINTS)
     if suffix == ".xyz":
         few = np.arange(len(POINTS)) < 4
         many = np.arange(len(POINTS)) < 5
@@ -130,6 +138,13 @@ def test_tables_are_read_as_clouds(tmp_path, suffix):
             lengths = np.full(len(POINTS), factor)
             np.savetxt(path, np.hstack([POINTS, lengths[:, None] * POINTS]))
             assert (read_cloud(path).normals is not None) == normals
+        np.savetxt(path, np.hstack([both, np.full((len(both), 2), 7)]))
+        np.testing.assert_allclose(read_cloud(path).normals, POINTS)
+        for length in (0.9, 1.1):
+            np.savetxt(path, np.hstack([POINTS, 0 * POINTS + [0, length, 0]]))
+            assert read_cloud(path).normals is None
+        np.savetxt(path, np.hstack([POINTS, POINTS * (1 + (np.arange(42) == 7))[:, None]])[:10])
+        assert read_cloud(path).normals is None
         for some, normals in ((few, 1), (many, 0)):
             np.savetxt(path, np.hstack([POINTS, np.where(some, 2, 1)[:, None] * POINTS]))
             assert (read_cloud(path).normals is not None) == normals
@@ -197,8 +212,19 @@ def test_normals_of_zero_are_no_normals(tmp_path):
     [
         ("a.ply", b"solid", "does not begin with the word ply"),
         ("a.ply", b"ply\nformat ascii 1.0\n", "header has no end"),
+        ("a.ply", b"ply\nformat ascii 1.0\nend_header", "header has no end"),
         ("a.ply", b"ply\nformat binary 1.0\nend_header\n", "the line 'format binary 1.0'"),
         ("a.ply", b"ply\nformat ascii 1.0\nelement face 0\nend_header\n", "no vertices with x"),
+        *(
+            ("a.ply", b"ply\nformat ascii 1.0\n" + line + b"\nend_header\n", f"the line '{words}'")
+            for line, words in (
+                (b"property float x", "property float x"),
+                (b"property list uchar int x", "property list uchar int x"),
+                (b"element vertex 1\nproperty long x", "property long x"),
+                (b"element vertex 1\nproperty list uchar long x", "property list uchar long x"),
+                (b"element vertex -1", "element vertex -1"),
+            )
+        ),
         ("a.ply", ply("binary_big_endian")[:-30], "announces 42 vertices and holds 40"),
         ("a.ply", ply("ascii", rows=50), "announces 50 vertices and holds 42"),
         (
@@ -211,6 +237,8 @@ def test_normals_of_zero_are_no_normals(tmp_path):
             ply("ascii", faces=[[0, 1, 99]]),
             r"triangle 0 has the corners \[0, 1, 99\], and the vertices are numbered from 0 to 41",
         ),
+        ("a.ply", ply("ascii", faces=[[0, 1, -1]]), r"triangle 0 has the corners \[0, 1, -1\]"),
+        ("a.ply", ply("ascii", faces=[[0, 1, 42]]), r"triangle 0 has the corners \[0, 1, 42\]"),
         ("a.ply", ply("ascii").replace(b"0.0", b"zero"), "a word that is not a number"),
         ("a.obj", b"v 1 2 3\nv 1 x 2\n", "line 2: 'v 1 x 2'"),
         ("a.obj", b"v 1 2\n", "fewer than three coordinates"),
@@ -233,6 +261,109 @@ def test_a_missing_file_raises_file_not_found_error(tmp_path):
 
 
 def test_a_strip_of_two_points_has_no_triangle(tmp_path):
+    """Alone or beside another."""
     path = tmp_path / "cloud.ply"
-    path.write_bytes(ply("ascii", strip=[0, 1]))
+    content = ply("ascii", strip=[0, 1])
+    path.write_bytes(content)
     assert read_cloud(path).triangles.shape == (0, 3)
+    path.write_bytes(content.replace(b"tristrips 1", b"tristrips 2") + b"3 4 5 6\n")
+    assert read_cloud(path).triangles.tolist() == [[4, 5, 6]]
+
+
+@pytest.mark.parametrize("kind", ["ascii", *ORDERS])
+@pytest.mark.parametrize("length", [-1, -2])
+def test_a_list_of_negative_length_ends_the_file(tmp_path, kind, length):
+    """What follows it cannot be read: the rows before it are counted."""
+    content = ply(kind, faces=[[0, 1, 2], [3, 4, 5], [6, 7, 8]])
+    content = content.replace(b"list uchar", b"list char")
+    if kind == "ascii":
+        content = content.replace(b"7 3 3 4 5", b"7 %d 3 4 5" % length)
+    else:
+        content = content[:-27] + struct.pack("b", length) + content[-26:]
+    (tmp_path / "cloud.ply").write_bytes(content)
+    with pytest.raises(ValueError, match="it announces 3 faces and holds 1"):
+        read_ply(tmp_path / "cloud.ply")
+
+
+@pytest.mark.parametrize("kind", ORDERS)
+def test_a_first_list_of_negative_length_ends_the_file(tmp_path, kind):
+    content = ply(kind, faces=[[0, 1, 2]])
+    content = content[:-13].replace(b"list uchar", b"list char") + b"\xff" + content[-12:]
+    (tmp_path / "cloud.ply").write_bytes(content)
+    with pytest.raises(ValueError, match="it announces 1 faces and holds 0"):
+        read_ply(tmp_path / "cloud.ply")
+
+
+@pytest.mark.parametrize("kind", ["ascii", *ORDERS])
+def test_lists_of_other_lengths_are_one_array_each(tmp_path, kind):
+    """Also one without entries, between others and at the end."""
+    faces = [[0, 1, 2], [], [3, 4, 5, 6], []]
+    (tmp_path / "cloud.ply").write_bytes(ply(kind, faces=faces))
+    read = read_elements(tmp_path / "cloud.ply")["face"]
+    assert [corners.tolist() for corners in read["vertex_indices"]] == faces
+    assert [corners.dtype for corners in read["vertex_indices"]] == [np.int32] * 4
+
+
+@pytest.mark.parametrize("kind", ["ascii", *ORDERS])
+@pytest.mark.parametrize("few", [0, 1, 2])
+def test_equally_long_lists_are_one_array_of_their_type(tmp_path, kind, few):
+    """Whatever stands between them; the elements before and after have rows of other lengths."""
+    head = f"ply\nformat {kind} 1.0\nelement row 2\nproperty uchar flag\n"
+    head += "property list uchar int long\nproperty double weight\n"
+    head += "property list ushort short few\nelement end 1\nproperty list uchar int long\n"
+    head += "element nothing 0\nelement mark 2\nproperty uchar mark\n"
+    rows = [(k, 3, k, -5, 6, k / 4, few, *range(k, k + few)) for k in (1, 2)]
+    if kind == "ascii":
+        rows += [(1, 9), (4,), (5,)]
+        body = "".join(" ".join(map(str, row)) + "\n" for row in rows).encode()
+    else:
+        o = ORDERS[kind]
+        body = b"".join(struct.pack(f"{o}BBiiidH{few}h", *row) for row in rows)
+        body += struct.pack(f"{o}BiBB", 1, 9, 4, 5)
+    (tmp_path / "a.ply").write_bytes(f"{head}end_header\n".encode() + body)
+    read = read_elements(tmp_path / "a.ply")
+    wanted = {
+        "flag": np.array([1, 2], np.uint8),
+        "long": np.array([[1, -5, 6], [2, -5, 6]], np.int32),
+        "weight": np.array([0.25, 0.5]),
+        "few": np.array([[*range(k, k + few)] for k in (1, 2)], np.int16),
+    }
+    for name, array in wanted.items():
+        np.testing.assert_array_equal(read["row"][name], array, strict=True)
+    assert read["end"]["long"].tolist() == [[9]]
+    assert (read["nothing"], read["mark"]["mark"].tolist()) == ({}, [4, 5])
+
+
+@pytest.mark.parametrize("kind", ORDERS)
+def test_a_list_of_no_faces_before_others_is_empty(tmp_path, kind):
+    """Its rows have no length, whatever follows."""
+    content = ply(kind, strip=[4, 5, 6]).replace(
+        b"element tristrips", b"element face 0\nproperty list uchar int corners\nelement tristrips"
+    )
+    (tmp_path / "a.ply").write_bytes(content)
+    read = read_elements(tmp_path / "a.ply")
+    assert read["face"]["corners"].shape == (0, 0)
+    assert read["tristrips"]["vertex_indices"].tolist() == [[4, 5, 6]]
+
+
+def test_a_normal_that_is_not_finite_is_unknown(tmp_path):
+    """It is zero in all its components, and the others are kept, as are their points."""
+    points, normals = POINTS.copy(), 2 * POINTS
+    normals[3, 1], normals[7, 0], points[5, 2] = np.nan, np.inf, np.nan
+    (tmp_path / "cloud.ply").write_bytes(ply("ascii", points=points, normals=normals))
+    cloud = read_cloud(tmp_path / "cloud.ply")
+    wanted = 2 * POINTS
+    wanted[[3, 7]] = 0
+    np.testing.assert_array_equal(cloud.normals, np.delete(wanted, 5, axis=0))
+    np.testing.assert_array_equal(cloud.points, np.delete(POINTS, 5, axis=0))
+
+
+def test_a_text_may_end_before_a_list(tmp_path):
+    """None is wanted there, or the rows above are counted."""
+    path = tmp_path / "a.ply"
+    head = "ply\nformat ascii 1.0\nelement face {}\nproperty list uchar int corners\nend_header\n"
+    path.write_text(head.format(0))
+    assert read_elements(path)["face"]["corners"].shape == (0, 0)
+    path.write_text(head.format(3) + "3 0 1 2\n4 0 1 2 3\n")
+    with pytest.raises(ValueError, match="it announces 3 faces and holds 2"):
+        read_elements(path)

@@ -52,6 +52,11 @@ def test_the_grid_mapping_is_the_coordinate_reference_system():
         without = {key: value for key, value in mapping.items() if key != "crs_wkt"}
         assert pyproj.CRS.from_cf(without).is_projected
     assert pyproj.CRS.from_cf(WGS_84) == pyproj.CRS("EPSG:4326")
+    degrees = pyproj.CRS("EPSG:4326").to_cf()
+    assert {key: value for key, value in degrees.items() if key in WGS_84} == {
+        **WGS_84,
+        "crs_wkt": degrees["crs_wkt"],
+    }
 
 
 def test_numbers_of_the_grid_mapping_have_double_precision(tmp_path):

@@ -34,6 +34,14 @@ def test_a_plane_mesh_is_reproduced(suffix, tmp_path):
     assert np.array_equal(read.cells, mesh.cells)
 
 
+@pytest.mark.parametrize("suffix", [*WITH_DATA, *SURFACES])
+def test_a_mesh_is_written_in_silence(suffix, tmp_path, capfd):
+    """meshio would print a warning of cells of 64 bits, which PLY files do not hold."""
+    points = np.random.default_rng(3).normal(size=(70, 2))
+    write_mesh(tmp_path / f"mesh{suffix}", SimplexMesh.delaunay(points))
+    assert capfd.readouterr() == ("", "")
+
+
 def test_stl_reproduces_the_triangles(tmp_path):
     """Each triangle has its corners to the last bit; only the order of the points differs."""
     mesh = mesh_in(2)

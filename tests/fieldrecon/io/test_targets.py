@@ -125,6 +125,7 @@ def test_netcdf_files_keep_variables_and_dimensions(tmp_path, targets):
     """Variables have the dimensions of the grid or of the points; flags state their meanings."""
     result = result_at(targets)
     FORMATS["nc"](tmp_path / "a.nc", result)
+    assert (tmp_path / "a.nc").read_bytes().startswith(b"CDF\x02")  # offsets of 64 bits
     with netcdf_file(tmp_path / "a.nc", mmap=False) as file:
         value = file.variables["a_b_c"]
         assert np.array_equal(value.data.ravel(), result.values)
@@ -132,6 +133,8 @@ def test_netcdf_files_keep_variables_and_dimensions(tmp_path, targets):
         coordinates = targets.axes or targets.points.T
         for name, axis in zip(("east", "north", "up"), coordinates, strict=False):
             assert np.array_equal(file.variables[name].data, axis)
+        named = {n for n, variable in file.variables.items() if hasattr(variable, "coordinates")}
+        assert named == (set() if targets.axes else {"a_b_c", "error", "extrapolated"})
         flags = file.variables["extrapolated"]
         assert flags.flag_meanings == b"among_the_samples in_a_gap outside"
         assert np.array_equal(flags.data.ravel(), result.extrapolated)
@@ -194,6 +197,34 @@ def test_a_grid_of_longitudes_spans_the_data_only(middle, width, seed):
     assert -180 <= x[0] < 180
 
 
+@pytest.mark.parametrize(
+    ("longitudes", "first", "last"),
+    [
+        ([*range(10, 351, 10), 359.5], 10.0, 359.5),
+        ([*range(0, 171, 10), 180.5, *range(190, 351, 10)], -179.5, 170.0),
+        ([-180.0, -100.0], -180.0, -100.0),
+        ([-179.5, -100.0], -179.5, -100.0),
+        ([180.0, -100.0], -180.0, -100.0),
+        ([540.5, 620.0], -179.5, -100.0),
+        ([179.5, -100.0], 179.5, 260.0),
+        ([7.0], 7.0, 7.0),
+    ],
+)
+def test_a_grid_of_longitudes_begins_after_the_widest_gap(longitudes, first, last):
+    """From a longitude of -180 up to 180, excluding it."""
+    points = np.column_stack([longitudes, np.zeros(len(longitudes))])
+    x = grid_over(points, (2, 2), lonlat=True).axes[0]
+    np.testing.assert_allclose(x, [first, last], atol=1e-9)
+
+
+def test_a_grid_of_longitudes_is_the_shortest_over_them():
+    """The literal way: from one of the longitudes eastward to the last of the others."""
+    for longitudes in np.random.default_rng(0).uniform(-180, 180, (100, 4)):
+        x = grid_over(np.column_stack([longitudes] * 2), (2, 2), lonlat=True).axes[0]
+        widths = (longitudes - longitudes[:, None]) % 360
+        assert np.ptp(x) == pytest.approx(widths.max(axis=1).min())
+
+
 def test_impossible_grids_are_refused():
     """A grid must have as many sides as there are variables, and must fit into memory."""
     points = np.array([[0.0, 0.0], [1.0, 1.0]])
@@ -214,6 +245,9 @@ def test_target_tables_need_the_columns_of_the_samples(tmp_path):
     assert len(targets_of_table(path, ("x", "y"), lonlat=True).bad) == 2
     with pytest.raises(ValueError, match=r"at\.csv, line 3: y must be a finite number"):
         targets_of_table(path, ("x", "y"), strict=True)
+    path.write_text("1 234\n2 3\n")
+    assert targets_of_table(path, ("y", "x")).points.tolist() == [[234, 1], [3, 2]]
+    path.write_text("id,y,x\n1,2,3\n")
     with pytest.raises(ValueError, match="has no column 'z', as the samples have; it has id, y, x"):
         targets_of_table(path, ("x", "y", "z"))
 
@@ -242,6 +276,21 @@ def test_npz_files_keep_the_rows_of_a_table_of_targets(tmp_path):
     assert np.array_equal(found["values"][good], values)
     assert np.array_equal(found["error"][good], 10 * values)
     assert all(np.isnan(array[1]).all() and array.shape == (4, 2) for array in found.values())
+
+
+def test_npz_files_keep_several_values_on_a_grid(tmp_path):
+    """The values of a node stand together; of equal names without units, one is numbered."""
+    grid = TARGETS["grid"]
+    values = np.arange(24.0).reshape(12, 2)
+    names, marks = ("x", "y", "wind [m/s]", "wind [km/h]"), np.zeros(12, np.int8)
+    result = TargetValues(names, grid, values, 10 * values, marks)
+    assert [*result.columns] == [
+        *("wind [m/s]", "error of wind", "wind [km/h]", "error of wind_2", "extrapolated")
+    ]
+    FORMATS["npz"](tmp_path / "a.npz", result)
+    with np.load(tmp_path / "a.npz") as stored:
+        assert np.array_equal(stored["values"], values.reshape(3, 4, 2))
+        assert np.array_equal(stored["error"], 10 * values.reshape(3, 4, 2))
 
 
 def test_targets_may_be_the_vertices_of_a_mesh(tmp_path):

@@ -5,6 +5,7 @@ import pytest
 
 from fieldrecon.io.meshes import read_triangles, write_triangles
 from fieldrecon.io.ply import read_elements
+from fieldrecon.io.stl import read_stl
 from fieldrecon.triangles.audit import audit_mesh
 from fieldreport.experiments.triangles.triangle_shapes import cube, sphere
 
@@ -100,6 +101,15 @@ def test_a_polygon_soup_is_reported_as_such(tmp_path):
     write_triangles(tmp_path / "cube.stl", *cube(1))
     audit = audit_mesh(*read_triangles(tmp_path / "cube.stl"))
     assert (audit.vertices, audit.triangles, audit.soup, audit.clean) == (36, 12, True, True)
+
+
+def test_merged_vertices_are_shared(tmp_path):
+    """The content of the file says so, and merging it again changes nothing."""
+    write_triangles(tmp_path / "cube.stl", *cube(1))
+    merged = read_stl(tmp_path / "cube.stl").with_merged_vertices()
+    assert not merged.separate_corners
+    assert len(merged.points) == 8
+    assert merged.with_merged_vertices() is merged
 
 
 @pytest.mark.parametrize(

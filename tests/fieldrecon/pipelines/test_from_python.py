@@ -21,7 +21,7 @@ from fieldrecon._core import extras
 from fieldrecon.cli.main import main
 from fieldrecon.cli.reconstruct import print_survey
 from fieldrecon.cli.surface import print_scan
-from fieldrecon.io.frames import as_source
+from fieldrecon.io.frames import as_source, is_table
 from fieldrecon.pages import audit_page, surface_page
 from fieldrecon.pages.one_page import pairs
 from fieldrecon.pages.reconstruction_page import (
@@ -257,7 +257,10 @@ def test_a_region_of_the_globe_reaches_thirty_degrees_from_its_middle(radius, in
         (None, {}, ValueError, "give samples: data, or arrays x, y and value, or load with a"),
         (3, {}, TypeError, "data must be a path, a data frame, .* got int"),
         (POINTS, {}, ValueError, r"with data as an array of points \(n, d\), give the array value"),
-        (PLANE, {"value": PLANE}, ValueError, r"must have the shape \(n, 2\) or \(n, 3\); got"),
+        *(
+            (data, {"value": PLANE}, ValueError, r"must have the shape \(n, 2\) or \(n, 3\); got")
+            for data in (PLANE, PLANE[:, None], np.ones((60, 4)), np.ones((60, 2, 2)))
+        ),
         (POINTS, {"value": PLANE[1:]}, ValueError, "equally long; got x 60, y 60, value 59"),
         (FRAME, {"value": PLANE}, ValueError, "value must be the name of a column of data; got an"),
         (FRAME, {"x": "lon"}, ValueError, "the data frame has no column 'lon'; it has east"),
@@ -283,12 +286,25 @@ def test_a_region_of_the_globe_reaches_thirty_degrees_from_its_middle(radius, in
             ValueError,
             "x and value have different indices",
         ),
+        (
+            POINTS,
+            {"value": FRAME["depth [m]"], "sigma": FRAME["depth [m]"][::-1]},
+            ValueError,
+            "value and sigma have different indices",
+        ),
     ],
 )
 def test_what_is_no_table_is_refused(data, options, error, words):
     """The message names what was given and what is wanted."""
     with pytest.raises(error, match=words):
         plane(data, **options)
+
+
+def test_data_with_named_columns_are_a_table():
+    """Also those of one dimension; points alone are none."""
+    named = (FRAME, dict(NAMED), NAMED.to_records(index=False), pa.table(NAMED), SET, SET["depth"])
+    assert all(map(is_table, (*named, "a.csv", Path("a.csv"))))
+    assert not any(map(is_table, (POINTS, POINTS.tolist(), PLANE, 3, None)))
 
 
 # --- several values -------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from fieldrecon.datasets.synthetic import uniform
 from fieldrecon.io import tables as _text_tables
+from fieldrecon.io.text_files import open_text
 from fieldrecon.pipelines.missing_values import suspects
 from fieldrecon.pipelines.samples import Samples, read_samples, refuse_flat
 
@@ -38,6 +39,7 @@ def table(tmp_path):
         "lat,lon,temperature\n1,0,2\n4,3,5\n",
         "y,x,id,z\n1,0,17,2\n4,3,18,5\n",
         'x,y,name,value\n0,1,"a, b",2\n3,4,c,5\n',
+        'x, y, name, value\n0, 1, "a, b", 2\n3, "4", c, 5\n',
         "0 1 2\n3   4\t5\n",
         "  0.0e0   1   2  \r\n\r\n3 4 5",
         "# LAS points\n0,1,2,77\n3,4,5,78\n",
@@ -250,6 +252,27 @@ def test_tables_may_have_any_usual_encoding(table, encoding):
     assert samples.names == ("x", "y", "Höhe [m²]")
     assert samples.points.tolist() == [[0, 1], [3, 4]]
     assert [(row.line, row.row) for row in samples.bad] == [(3, 1)]
+
+
+@pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])
+@pytest.mark.parametrize(
+    ("letters", "recognized"),
+    [
+        ("a" * 81 + "я" * 79, True),
+        ("a" * 80 + "я" * 80, False),
+        ("a" * 88 + "Ѐ" * 10, True),
+        ("a" * 88 + "Ѐ" * 11, False),
+    ],
+)
+def test_utf_16_without_a_mark_is_known_by_its_zeros(table, encoding, letters, recognized):
+    """In more than half of the characters one byte is zero, and in an eighth as many the other."""
+    path = table(letters, encoding)
+    if recognized:
+        with open_text(path) as file:
+            assert file.read() == letters
+    else:
+        with pytest.raises(ValueError, match="is not a text"), open_text(path):
+            pass
 
 
 @pytest.mark.parametrize(
@@ -480,6 +503,7 @@ def test_npz_archives_are_tables(tmp_path):
     for arrays in (
         {"x": [0, 3], "y": [1, 4], "value": [2, 5]},
         {"points": rows, "values": [2, 5], "note": "by hand"},
+        {"points": rows, "values": [2, 5], "epsg": 25832, "cube": np.zeros((2, 2, 2))},
     ):
         samples = read_samples(write_npz(path, **arrays), progress=lambda *step: steps.append(step))
         assert samples.points.tolist() == rows
@@ -500,6 +524,8 @@ def test_masked_rows_are_skipped_and_counted(tmp_path):
     samples = read_samples(write_npz(tmp_path / "a.npz", **arrays, mask=values.mask))
     assert samples.values.tolist() == [2, 5, 3]
     assert samples.points.tolist() == [[0, 1], [3, 4], [2, 6]]
+    with pytest.raises(ValueError, match="no column 'mask'"):
+        read_samples(tmp_path / "a.npz", value="mask")
     assert samples.warnings[0] == (
         "2 rows skipped, by line: 3: the row is masked; 4: value must be a finite number; got nan."
     )
