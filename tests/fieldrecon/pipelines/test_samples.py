@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from fieldrecon.datasets.synthetic import uniform
 from fieldrecon.io import tables as _text_tables
-from fieldrecon.pipelines.missing_values import suspects
+from fieldrecon.pipelines.missing_values import as_missing, suspects
 from fieldrecon.pipelines.samples import Samples, read_samples, refuse_flat
 
 
@@ -352,6 +352,33 @@ def test_a_usual_mark_may_occur_once_and_is_found_nearer(mark, sign):
     assert found_beside(other, 2.9, 2) == []
     assert suspects(np.array([0.0, usual / 1e3, usual])) == []
     assert len(suspects(np.array([0.0, usual / 1e3, usual / 2e3, usual]))) == 1
+
+
+def test_the_range_of_the_others_is_that_without_both_ends():
+    """A mark that occurs once is farther from them than this range, whatever lies inside."""
+    others = np.array([10.5, 10.0, 9.2, 8.0, 0.0])
+    for sign in (1.0, -1.0):
+        for apart, found in ((10.1, [sign * 99]), (9.9, [])):
+            values = sign * np.append(99 - apart - others, 99)
+            assert [one.value for one in suspects(values)] == found
+
+
+@pytest.mark.parametrize(("gap", "found"), [(0.9, 0), (1.0, 0), (1.1, 1)])
+def test_a_mark_is_farther_from_the_others_than_two_steps_between_them(gap, found):
+    """However often it occurs."""
+    values = np.append(32768 - gap - np.arange(4) / 2, [32768, 32768])
+    assert len(suspects(values)) == len(suspects(-values)) == found
+
+
+def test_nine_and_eight_nines_are_no_usual_marks():
+    assert found_beside(9.0, 100.0, 1) == found_beside(99_999_999.0, 100.0, 1) == []
+
+
+def test_a_mark_of_missing_values_is_a_real_number():
+    with pytest.raises(ValueError, match="missing must be"):
+        as_missing([1.0, 1j])
+    assert as_missing(None) == ()
+    assert as_missing(-99) == (-99.0,)
 
 
 def test_marks_are_named_in_depths_in_coordinates_and_in_standard_deviations(table):

@@ -10,6 +10,7 @@ import matplotlib.image
 import numpy as np
 import pytest
 from fontTools.ttLib import TTFont
+from matplotlib.colors import to_rgb
 from matplotlib.font_manager import FontProperties
 from matplotlib.patches import Rectangle
 
@@ -168,6 +169,17 @@ def test_variants_differ_in_colour_dash_or_marker():
     assert reference["linewidth"] == 0.5
 
 
+@pytest.mark.parametrize("count", [2, 5])
+def test_shades_run_from_dark_to_light_around_the_colour_of_the_method(count):
+    """With up to 45 % of black and of white."""
+    own = np.array(to_rgb(METHOD_COLORS["MLS"]))
+    darker = [own * share for share in np.linspace(0.55, 1, 1 + count // 2)]
+    lighter = [1 - (1 - own) * share for share in np.linspace(1, 0.55, 1 + count // 2)]
+    expected = [*darker, *lighter[1:]] if count % 2 else [*darker[:-1], *lighter[1:]]
+    found = [to_rgb(look["color"]) for look in shades("MLS", count)]
+    np.testing.assert_allclose(found, expected, atol=0.6 / 255)
+
+
 def test_the_truth_is_a_thin_line_without_markers():
     """Curves of methods lie beside it; keywords of the caller come last."""
     with style():
@@ -221,12 +233,13 @@ def test_a_slope_that_faces_the_sun_is_bright():
 def test_a_shaded_relief_is_that_of_lambert():
     """The cosine between the normal and the sun, 45 degrees high, stretched from 0 to 1."""
     heights = np.random.default_rng(0).random((5, 7))
-    north, east = np.gradient(3.0 * heights, 2.0, 4.0)
-    normal = np.stack([-east, -north, np.ones_like(east)], axis=-1)
-    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
-    cosine = normal @ (np.array([-1.0, 1.0, np.sqrt(2)]) / 2)
-    expected = (cosine - cosine.min()) / np.ptp(cosine)
-    np.testing.assert_allclose(hillshade(heights, 4.0, 2.0, 3.0), expected, atol=1e-12)
+    for factor, given in ((3.0, (3.0,)), (1.0, ())):
+        north, east = np.gradient(factor * heights, 2.0, 4.0)
+        normal = np.stack([-east, -north, np.ones_like(east)], axis=-1)
+        normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+        cosine = normal @ (np.array([-1.0, 1.0, np.sqrt(2)]) / 2)
+        expected = (cosine - cosine.min()) / np.ptp(cosine)
+        np.testing.assert_allclose(hillshade(heights, 4.0, 2.0, *given), expected, atol=1e-12)
 
 
 def test_the_list_of_fonts_is_copied(tmp_path):

@@ -152,12 +152,19 @@ def test_a_mesh_fills_its_picture_up_to_a_margin(toward, size):
     assert not seen[:, -3:].any()
 
 
-def test_a_pixel_shows_the_triangle_that_is_nearest_to_the_viewer():
-    """Compared with a ray through the middle of each pixel and every triangle, one by one."""
+@pytest.mark.parametrize("middle", [None, np.array([2, 5])])
+def test_a_pixel_shows_the_triangle_that_is_nearest_to_the_viewer(middle):
+    """Compared with a ray through the middle of each pixel and every triangle, one by one; in a
+    close-up the triangles reach beyond the picture.
+    """
     rng = np.random.default_rng(3)
     points, triangles = rng.random((12, 3)), rng.permutation(12).reshape(4, 3)
-    picture = MeshPicture(points, triangles, np.array([0.3, -0.8, 0.4]), 40)
+    picture = MeshPicture(points, triangles, np.array([0.3, -0.8, 0.4]), 28, middle)
     rows, columns = picture.shape
+    if middle is not None:
+        beyond = picture.points[:, :2]
+        assert (beyond.min(axis=0) < 0).all()
+        assert (beyond.max(axis=0) > 28).all()
     for row in range(rows):
         for column in range(columns):
             depths = {}
