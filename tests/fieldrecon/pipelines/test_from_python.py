@@ -903,7 +903,7 @@ def test_scans_and_audits_make_pages(tmp_path):
 
 
 def test_arguments_of_a_kernel_have_names_of_their_own():
-    """On the page of a survey nested arguments are listed one by one; methods of a list by number."""
+    """On the page of a survey nested arguments are listed one by one, of a list by number."""
     described = {"name": "RBF", "kernel": {"name": "matern", "scale": 2.0}, "degree": None}
     assert _flattened(described) == {"name": "RBF", "kernel": "matern", "kernel scale": 2.0}
     parts = [{"name": "a", "degree": 0, "counts": [1, 2]}, {"name": "b", "kernel": {"name": "c"}}]

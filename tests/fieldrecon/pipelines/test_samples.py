@@ -366,7 +366,7 @@ def test_the_range_of_the_others_is_that_without_both_ends():
 @pytest.mark.parametrize(("gap", "found"), [(0.9, 0), (1.0, 0), (1.1, 1)])
 def test_a_mark_is_farther_from_the_others_than_two_steps_between_them(gap, found):
     """However often it occurs."""
-    values = np.append(32768 - gap - np.arange(4) / 2, [32768, 32768])
+    values = np.append(32768 - gap - np.array([0.0, 0.5, 1.25]), [32768, 32768])
     assert len(suspects(values)) == len(suspects(-values)) == found
 
 

@@ -286,7 +286,8 @@ def test_fonts_are_found_wherever_they_begin():
         opentype(5, "First"),
         b"OTTO",
         opentype(40, "Second-Bold"),
-        *(opentype(4, "no"), opentype(41, "no"), opentype(6, tags=(b"CFF ",)), opentype(6, tags=())),
+        *(opentype(4, "no"), opentype(41, "no")),
+        *(opentype(6, "no", tags=(b"CFF ",)), opentype(6, tags=())),
         opentype(6, "Third"),
         opentype(5)[:91],  # a directory without its last byte
     ]

@@ -180,7 +180,8 @@ def test_a_pixel_shows_the_triangle_that_is_nearest_to_the_viewer(middle):
             if depths:
                 corners = picture.points[triangles[nearest], :2]
                 side = np.roll(corners, -1, axis=0) - corners
-                across = np.linalg.det(np.stack([side, [column + 0.5, row + 0.5] - corners], axis=1))
+                to_pixel = [column + 0.5, row + 0.5] - corners
+                across = np.linalg.det(np.stack([side, to_pixel], axis=1))
                 distance = abs(across) / np.linalg.norm(side, axis=1)
                 near = picture.near_edge.reshape(rows, columns)[row, column]
                 assert near == (distance.min() < 0.6)
