@@ -609,7 +609,7 @@ def test_without_pyarrow_the_install_command_is_shown(tmp_path, monkeypatch):
 # --- geometry -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("offset", [0.0, 4.5e6])
+@pytest.mark.parametrize(("size", "offset"), [(1.0, 0.0), (1.0, 4.5e6), (1e-3, 4.5e6)])
 @pytest.mark.parametrize(
     ("directions", "words"),
     [
@@ -619,12 +619,12 @@ def test_without_pyarrow_the_install_command_is_shown(tmp_path, monkeypatch):
         ([[1, 2, 3], [1, 0, 0]], "all 50 points lie in one plane"),
     ],
 )
-def test_collinear_and_coplanar_samples_are_refused(offset, directions, words):
+def test_collinear_and_coplanar_samples_are_refused(size, offset, directions, words):
     """Values on a line or a plane do not determine the field beside it.
 
     A large offset, which rounds the coordinates, makes no difference.
     """
-    points = uniform(50, len(directions), seed=0) @ np.array(directions, float) + offset
+    points = size * uniform(50, len(directions), seed=0) @ np.array(directions, float) + offset
     samples = Samples(("x",) * (points.shape[1] + 1), points, points[:, 0])
     with pytest.raises(np.linalg.LinAlgError, match=words):
         refuse_flat(samples)
@@ -647,6 +647,7 @@ def test_the_remedy_for_different_units_makes_the_samples_acceptable(scales, div
     message = refused(points)
     name, factor = message.rpartition("divide ")[2].split(" by ")
     assert name == divided
+    assert factor.startswith("1e")
     points[:, "xy".index(name)] /= float(factor)
     refuse_flat(Samples(("x", "y", "v"), points, points[:, 0]))
     assert abs(np.log10(np.ptp(points, axis=0)) @ [1, -1]) < 0.51

@@ -250,7 +250,7 @@ def test_only_a_grid_with_nodes_outside_the_samples_is_hatched(some_survey):
 
 
 @pytest.mark.parametrize(
-    ("spread", "low"), [(10.0, None), (29.0, None), (31.0, 1 / 31), (1e6, 1e-4)]
+    ("spread", "low"), [(10.0, None), (29.5, None), (30.5, 1 / 30.5), (1e6, 1e-4)]
 )
 def test_errors_of_different_sizes_are_drawn_by_their_logarithms(some_survey, spread, low):
     """Over four decades at most; errors where the field is extrapolated change nothing."""
