@@ -334,7 +334,7 @@ def test_equally_long_lists_are_one_array_of_their_type(tmp_path, kind, few):
     assert (read["nothing"], read["mark"]["mark"].tolist()) == ({}, [4, 5])
 
 
-@pytest.mark.parametrize("kind", ORDERS)
+@pytest.mark.parametrize("kind", ["ascii", *ORDERS])
 def test_a_list_of_no_faces_before_others_is_empty(tmp_path, kind):
     """Its rows have no length, whatever follows."""
     content = ply(kind, strip=[4, 5, 6]).replace(

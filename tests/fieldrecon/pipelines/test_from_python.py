@@ -34,8 +34,8 @@ from fieldrecon.pages.reconstruction_page import (
     summary,
 )
 from fieldrecon.pipelines import audit, reconstruct, surface
-from fieldrecon.pipelines.scans import ScanResult
-from fieldrecon.pipelines.validation import Validation
+from fieldrecon.pipelines.scans import ScanResult, _percent
+from fieldrecon.pipelines.validation import Validation, _degrees
 from fieldrecon.pipelines.variograms import variogram
 from fieldrecon.selection.models import MODELS
 from fieldrecon.solids.marching_cubes import extract_surface
@@ -625,6 +625,8 @@ def test_distances_on_the_globe_are_angles():
     np.testing.assert_allclose(np.sort(known.targets), np.sort(wanted))
     own = (angles(samples, samples) + 999 * np.eye(100)).min(axis=1)
     np.testing.assert_allclose(known.leave_one_out, np.sort(own))
+    np.testing.assert_allclose(_degrees(np.array([0, 1, 2**0.5, 2])), [0, 60, 90, 180])
+    assert _degrees(np.nextafter(2.0, 3.0)) == 180  # a chord that is rounded up
     assert known.coverage()[-1][0] == known.farthest == f"{known.held_out.max():.3g} degrees"
     assert known.sentence.count(" degrees") in (4, 5)
 
@@ -663,6 +665,16 @@ def test_each_error_is_said_to_depend_on_the_distance_and_a_power_of_the_roughne
         assert [one.partition(" bounds ")[0] for one in said] == [f"The given error{o}" for o in of]
         by = f"the nearest sample{f' and of {power} of the field there' if power else ''}. "
         assert all(by in sentence for sentence in said)
+
+
+def test_the_error_of_a_value_is_larger_where_this_value_is_rough():
+    """One is noise on the left and zero on the right, the other one the reverse."""
+    left = POINTS[:, 0] < 0.5
+    noise = np.random.default_rng(0).standard_normal(60)
+    survey = plane(POINTS, value=np.column_stack([noise * left, noise * ~left]))
+    error = survey.predict(POINTS).error
+    assert error[left, 0].mean() > 2 * error[~left, 0].mean()
+    assert error[~left, 1].mean() > 2 * error[left, 1].mean()
 
 
 def test_the_variogram_of_a_survey_is_that_of_its_samples():
@@ -863,6 +875,14 @@ def test_the_invented_surface_is_a_part_of_the_area():
     assert re.match(r"0\.\d+ % of", scan_of_a_ball(gaps=np.arange(count) < 1).warnings[0])
 
 
+@pytest.mark.parametrize(
+    ("share", "words"),
+    [(0.00123, "0.12 %"), (0.9949, "99 %"), (0.995, "100 %"), (0.9999, "100 %"), (1.0, "100 %")],
+)
+def test_a_part_is_written_in_percent_without_a_power_of_ten(share, words):
+    assert _percent(share) == words
+
+
 @pytest.mark.parametrize("few", [1, 2])
 def test_a_mesh_that_is_cut_off_or_far_from_points_is_not_sound(few):
     """The surface may be cut off, or have a boundary, where it is allowed to be open."""
@@ -899,9 +919,17 @@ def test_scans_and_audits_make_pages(tmp_path):
 
 
 def test_arguments_of_a_kernel_have_names_of_their_own():
-    """On the page of a survey nested arguments are listed one by one."""
+    """On the page of a survey nested arguments are listed one by one, of a list by number."""
     described = {"name": "RBF", "kernel": {"name": "matern", "scale": 2.0}, "degree": None}
     assert _flattened(described) == {"name": "RBF", "kernel": "matern", "kernel scale": 2.0}
+    parts = [{"name": "a", "degree": 0, "counts": [1, 2]}, {"name": "b", "kernel": {"name": "c"}}]
+    assert _flattened({"methods": parts}) == {
+        "methods 1": "a",
+        "methods 1 degree": 0,
+        "methods 1 counts": [1, 2],
+        "methods 2": "b",
+        "methods 2 kernel": "c",
+    }
 
 
 @pytest.mark.parametrize(
@@ -959,6 +987,8 @@ def test_the_page_of_an_audit_counts_the_errors_and_says_what_is_left(monkeypatc
     assert "Repaired" not in page
     mended = audit((points, damaged), repair=True)
     page = words_of(audit_page.audit_page(mended, {}))
+    assert repr(found).endswith("2 boundary_loops>")
+    assert repr(mended).endswith("2 boundary_loops; repaired, 0 left>")
     assert "3 errors were found. Repaired: " in page
     assert "2 filled holes" in page
     assert "Left: nothing." in page

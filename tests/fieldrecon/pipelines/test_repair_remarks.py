@@ -36,11 +36,11 @@ def test_the_suggested_share_fills_a_wide_hole():
 
 
 def open_cubes(count, sides=(4,)):
-    """Unit cubes beside each other, each without these of its six sides."""
+    """Cubes beside each other, the last of side 1, each without these of its six sides."""
     corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
     quads = np.delete(np.array(QUADS) - 1, sides, axis=0)
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    points = np.concatenate([np.add(corners, [3 * k, 0, 0]) for k in range(count)])
+    points = np.concatenate([(count - k) * corners + [9 * k, 0, 0] for k in range(count)])
     return points, np.concatenate([triangles + 8 * k for k in range(count)])
 
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from fieldrecon.datasets.synthetic import uniform
 from fieldrecon.io import tables as _text_tables
 from fieldrecon.io.text_files import open_text
-from fieldrecon.pipelines.missing_values import suspects
+from fieldrecon.pipelines.missing_values import as_missing, suspects
 from fieldrecon.pipelines.samples import Samples, read_samples, refuse_flat
 
 
@@ -377,6 +377,33 @@ def test_a_usual_mark_may_occur_once_and_is_found_nearer(mark, sign):
     assert len(suspects(np.array([0.0, usual / 1e3, usual / 2e3, usual]))) == 1
 
 
+def test_the_range_of_the_others_is_that_without_both_ends():
+    """A mark that occurs once is farther from them than this range, whatever lies inside."""
+    others = np.array([10.5, 10.0, 9.2, 8.0, 0.0])
+    for sign in (1.0, -1.0):
+        for apart, found in ((10.1, [sign * 99]), (9.9, [])):
+            values = sign * np.append(99 - apart - others, 99)
+            assert [one.value for one in suspects(values)] == found
+
+
+@pytest.mark.parametrize(("gap", "found"), [(0.9, 0), (1.0, 0), (1.1, 1)])
+def test_a_mark_is_farther_from_the_others_than_two_steps_between_them(gap, found):
+    """However often it occurs."""
+    values = np.append(32768 - gap - np.array([0.0, 0.5, 1.25]), [32768, 32768])
+    assert len(suspects(values)) == len(suspects(-values)) == found
+
+
+def test_nine_and_eight_nines_are_no_usual_marks():
+    assert found_beside(9.0, 100.0, 1) == found_beside(99_999_999.0, 100.0, 1) == []
+
+
+def test_a_mark_of_missing_values_is_a_real_number():
+    with pytest.raises(ValueError, match="missing must be"):
+        as_missing([1.0, 1j])
+    assert as_missing(None) == ()
+    assert as_missing(-99) == (-99.0,)
+
+
 def test_marks_are_named_in_depths_in_coordinates_and_in_standard_deviations(table):
     """Also where the depths have a range as large as the mark, and several marks on one side."""
     rng = np.random.default_rng(0)
@@ -608,7 +635,7 @@ def test_without_pyarrow_the_install_command_is_shown(tmp_path, monkeypatch):
 # --- geometry -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("offset", [0.0, 4.5e6])
+@pytest.mark.parametrize(("size", "offset"), [(1.0, 0.0), (1.0, 4.5e6), (1e-3, 4.5e6)])
 @pytest.mark.parametrize(
     ("directions", "words"),
     [
@@ -618,12 +645,12 @@ def test_without_pyarrow_the_install_command_is_shown(tmp_path, monkeypatch):
         ([[1, 2, 3], [1, 0, 0]], "all 50 points lie in one plane"),
     ],
 )
-def test_collinear_and_coplanar_samples_are_refused(offset, directions, words):
+def test_collinear_and_coplanar_samples_are_refused(size, offset, directions, words):
     """Values on a line or a plane do not determine the field beside it.
 
     A large offset, which rounds the coordinates, makes no difference.
     """
-    points = uniform(50, len(directions), seed=0) @ np.array(directions, float) + offset
+    points = size * uniform(50, len(directions), seed=0) @ np.array(directions, float) + offset
     samples = Samples(("x",) * (points.shape[1] + 1), points, points[:, 0])
     with pytest.raises(np.linalg.LinAlgError, match=words):
         refuse_flat(samples)
@@ -646,6 +673,7 @@ def test_the_remedy_for_different_units_makes_the_samples_acceptable(scales, div
     message = refused(points)
     name, factor = message.rpartition("divide ")[2].split(" by ")
     assert name == divided
+    assert factor.startswith("1e")
     points[:, "xy".index(name)] /= float(factor)
     refuse_flat(Samples(("x", "y", "v"), points, points[:, 0]))
     assert abs(np.log10(np.ptp(points, axis=0)) @ [1, -1]) < 0.51

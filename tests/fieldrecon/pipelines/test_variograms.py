@@ -52,10 +52,15 @@ def literal_bins(points, values):
     return np.array([(h[b].mean(), squares[b].mean() / 2, b.sum()) for b in found if b.any()]).T
 
 
-@pytest.mark.parametrize(("n", "squeezed"), [(90, 1.0), (12, 1e-3)])
-def test_the_bins_are_those_of_all_pairs_and_the_model_is_their_least_squares(n, squeezed):
-    """With the weights N / h^2 no model near by, with other numbers, is closer to the bins."""
-    points = POINTS[:n] * [1.0, squeezed]
+@pytest.mark.parametrize(
+    ("n", "squeezed", "apart"), [(90, 1.0, 0.0), (12, 1e-3, 0.0), (11, 1.0, 30.0)]
+)
+def test_the_bins_are_those_of_all_pairs_and_the_model_is_their_least_squares(n, squeezed, apart):
+    """With the weights N / h^2 no model near by, with other numbers, is closer to the bins.
+
+    In two clusters the median distance is the largest that is compared.
+    """
+    points = POINTS[:n] * [1.0, squeezed] + np.outer(np.arange(n) % 2, [apart, 0.0])
     values = np.sin(9 * POINTS[:n, 0]) + np.random.default_rng(0).standard_normal(n) / 3
     h, half, count = literal_bins(points, values)
     found = variogram(points, values)
@@ -85,7 +90,7 @@ def test_the_model_rises_from_the_nugget_to_95_percent_at_the_range():
         (0.01234, "0.0123"),
         (99.44, "99.4"),
         (100.4, "100"),
-        (9999998.6, "9,999,999"),
+        (9999999.4, "9,999,999"),
         (1e7, "1e+07"),
     ],
 )
@@ -96,9 +101,16 @@ def test_numbers_are_written_without_a_power_of_ten_where_they_can_be(number, wo
 
 def test_units_change_nothing_but_units():
     one = variogram(POINTS, np.sin(9 * POINTS[:, 0]))
-    other = variogram(1e6 * POINTS, 1e3 * np.sin(9 * POINTS[:, 0]))
-    np.testing.assert_allclose(other.sill, 1e6 * one.sill, rtol=1e-6)
-    np.testing.assert_allclose(other.range, 1e6 * one.range, rtol=1e-6)
+    for length, size in ((1e6, 1e3), (1e-6, 1e-12)):
+        other = variogram(length * POINTS, size * np.sin(9 * POINTS[:, 0]))
+        np.testing.assert_allclose(other.sill, size**2 * one.sill, rtol=1e-6)
+        np.testing.assert_allclose(other.range, length * one.range, rtol=1e-6)
+
+
+def test_a_constant_does_not_vary():
+    found = variogram(POINTS, np.full(400, 7.0))
+    assert (found.nugget, found.sill) == (0.0, 0.0)
+    assert not found.values.any()
 
 
 def test_samples_that_are_all_far_apart_have_pairs():

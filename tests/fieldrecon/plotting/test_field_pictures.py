@@ -5,10 +5,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from matplotlib.collections import TriMesh
 from matplotlib.colors import LogNorm
 from scipy.spatial import cKDTree
 
 from fieldrecon.io.targets import Targets, TargetValues, grid_nodes
+from fieldrecon.methods.globe import to_unit
 from fieldrecon.pipelines import reconstruct
 from fieldrecon.plotting.field_pictures import (
     _HEIGHT,
@@ -38,14 +40,30 @@ def test_many_points_are_drawn_small_but_visible(number, size):
     assert picture.get_sizes() == pytest.approx([size])
 
 
-def test_values_on_a_mesh_are_drawn_at_its_vertices():
-    """The axes cover the mesh, in x and in y."""
-    points, zeros = np.array([[0.0, 5.0], [1.0, 5.0], [0.0, 7.0]]), np.zeros(3)
-    targets = Targets(points, cells=np.array([[0, 1, 2]]))
-    result = TargetValues(("x", "y", "f"), targets, zeros, zeros, zeros.astype(int))
+@pytest.mark.parametrize(
+    ("d", "cells", "mesh"),
+    [
+        (2, [[0, 1, 2], [1, 3, 2]], True),
+        (2, [[0, 1], [1, 2], [2, 3]], False),
+        (3, [[0, 1, 2], [1, 3, 2]], False),
+        (3, [[0, 1, 2, 3]], False),
+    ],
+)
+def test_values_on_a_mesh_of_the_plane_are_drawn_on_its_triangles(d, cells, mesh):
+    """The axes cover it, in x and in y; of all other meshes the vertices are drawn."""
+    points = np.array([[0.0, 5, 1], [1, 5, 2], [0, 7, 3], [1, 7, 4]])[:, :d]
+    values, zeros = np.arange(4.0), np.zeros(4)
+    targets = Targets(points, cells=np.array(cells))
+    result = TargetValues(("x", "y", "z", "f"), targets, values, zeros, zeros.astype(int))
     with figure() as (_, axes):
-        _draw_scattered(axes, result, zeros, {})
+        picture = _draw_scattered(axes, result, values, {})
         assert axes.dataLim.extents.tolist() == [0.0, 5.0, 1.0, 7.0]
+    assert isinstance(picture, TriMesh) == mesh
+    np.testing.assert_array_equal(picture.get_array(), values)
+    if mesh:
+        np.testing.assert_array_equal(picture._triangulation.triangles, cells)
+    else:
+        np.testing.assert_array_equal(picture.get_offsets(), points[:, :2])
 
 
 @pytest.mark.parametrize(
@@ -232,7 +250,7 @@ def test_only_a_grid_with_nodes_outside_the_samples_is_hatched(some_survey):
 
 
 @pytest.mark.parametrize(
-    ("spread", "low"), [(10.0, None), (29.0, None), (31.0, 1 / 31), (1e6, 1e-4)]
+    ("spread", "low"), [(10.0, None), (29.5, None), (30.5, 1 / 30.5), (1e6, 1e-4)]
 )
 def test_errors_of_different_sizes_are_drawn_by_their_logarithms(some_survey, spread, low):
     """Over four decades at most; errors where the field is extrapolated change nothing."""
@@ -295,6 +313,17 @@ def test_on_the_globe_the_distance_from_the_nearest_sample_is_an_angle(some_surv
     order = np.lexsort(at.T)
     np.testing.assert_allclose(picture.get_array(), np.array([0.0, 0.0, 7.0])[order], atol=1e-9)
     assert label == "distance from the nearest sample, degrees"
+
+
+def test_the_farthest_point_of_the_globe_is_half_a_turn_away(some_survey):
+    """Where the chord, which is rounded, is a little longer than the diameter, too."""
+    lon, lat = np.random.default_rng(0).uniform(-80, 80, (2, 20_000))
+    here, there = np.column_stack([lon, lat]), np.column_stack([lon + 180, -lat])
+    chords = np.linalg.norm(to_unit(here) - to_unit(there), axis=1)
+    far = [int(chords.argmax())]
+    assert chords[far] > 2
+    _, picture, _, _ = shown(plot_nearest(on_globe(some_survey, here[far], there[far])))
+    np.testing.assert_allclose(picture.get_array(), 180)
 
 
 def test_one_of_several_values_is_drawn():

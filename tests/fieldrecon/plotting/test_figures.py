@@ -2,6 +2,7 @@
 
 import io
 import re
+import struct
 from pathlib import Path
 
 import matplotlib as mpl
@@ -9,10 +10,17 @@ import matplotlib.image
 import numpy as np
 import pytest
 from fontTools.ttLib import TTFont
+from matplotlib.colors import to_rgb
 from matplotlib.font_manager import FontProperties
 from matplotlib.patches import Rectangle
 
-from fieldrecon.plotting.fonts import MATH, SERIF_FACES, copy_font_list, font_bytes
+from fieldrecon.plotting.fonts import (
+    MATH,
+    SERIF_FACES,
+    _opentype_files,
+    copy_font_list,
+    font_bytes,
+)
 from fieldrecon.plotting.maps import hillshade, map_axes
 from fieldrecon.plotting.style import (
     FULL_WIDTH,
@@ -118,16 +126,19 @@ def test_a_figure_in_a_file_has_no_date_either(tmp_path):
 
 
 def test_letters_are_about_as_large_as_those_of_the_text_and_lines_are_thin():
-    """From 8 to 9 points; frames and grids are thinner than contours, and these than curves."""
+    """Those of numbers and legends have 8 points, all others 9; frames and grids are thinner than
+    contours, and these than curves.
+    """
     with style():
         sizes = {k: v for k, v in mpl.rcParams.items() if k.endswith(("size", "labelsize"))}
         width = mpl.rcParams.__getitem__
-        letters = [
-            FontProperties(size=v).get_size_in_points()
-            for k, v in sizes.items()
-            if "axes." in k
-            or k.startswith(("font", "legend.font", "xtick.label", "ytick.label", "figure.title"))
-        ]
+        small, large = (
+            {FontProperties(size=v).get_size_in_points() for k, v in sizes.items() if k in names}
+            for names in (
+                ("xtick.labelsize", "ytick.labelsize", "legend.fontsize"),
+                ("font.size", "axes.titlesize", "axes.labelsize", "figure.titlesize"),
+            )
+        )
         grid, frame = width("grid.linewidth"), width("axes.linewidth")
         minor, major = width("xtick.minor.width"), width("xtick.major.width")
         contour, curve = width("contour.linewidth"), width("lines.linewidth")
@@ -135,8 +146,7 @@ def test_letters_are_about_as_large_as_those_of_the_text_and_lines_are_thin():
         assert major == frame == width("patch.linewidth")
         assert mpl.rcParams["lines.markersize"] < 5
         assert 0.5 < mpl.rcParams["legend.framealpha"] < 1  # curves behind are seen
-    assert min(letters) >= 8
-    assert max(letters) <= 9
+    assert (small, large) == ({8.0}, {9.0})
     assert 0.2 < minor < grid < frame < contour < curve < 1.5
 
 
@@ -157,6 +167,17 @@ def test_variants_differ_in_colour_dash_or_marker():
         assert len({tuple(map(str, look.values())) for look in looks}) == 20
     reference, *_ = shades("truth", 3, linewidth=0.5)
     assert reference["linewidth"] == 0.5
+
+
+@pytest.mark.parametrize("count", [2, 5])
+def test_shades_run_from_dark_to_light_around_the_colour_of_the_method(count):
+    """With up to 45 % of black and of white."""
+    own = np.array(to_rgb(METHOD_COLORS["MLS"]))
+    darker = [own * share for share in np.linspace(0.55, 1, 1 + count // 2)]
+    lighter = [1 - (1 - own) * share for share in np.linspace(1, 0.55, 1 + count // 2)]
+    expected = [*darker, *lighter[1:]] if count % 2 else [*darker[:-1], *lighter[1:]]
+    found = [to_rgb(look["color"]) for look in shades("MLS", count)]
+    np.testing.assert_allclose(found, expected, atol=0.6 / 255)
 
 
 def test_the_truth_is_a_thin_line_without_markers():
@@ -212,12 +233,13 @@ def test_a_slope_that_faces_the_sun_is_bright():
 def test_a_shaded_relief_is_that_of_lambert():
     """The cosine between the normal and the sun, 45 degrees high, stretched from 0 to 1."""
     heights = np.random.default_rng(0).random((5, 7))
-    north, east = np.gradient(3.0 * heights, 2.0, 4.0)
-    normal = np.stack([-east, -north, np.ones_like(east)], axis=-1)
-    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
-    cosine = normal @ (np.array([-1.0, 1.0, np.sqrt(2)]) / 2)
-    expected = (cosine - cosine.min()) / np.ptp(cosine)
-    np.testing.assert_allclose(hillshade(heights, 4.0, 2.0, 3.0), expected, atol=1e-12)
+    for factor, given in ((3.0, (3.0,)), (1.0, ())):
+        north, east = np.gradient(factor * heights, 2.0, 4.0)
+        normal = np.stack([-east, -north, np.ones_like(east)], axis=-1)
+        normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+        cosine = normal @ (np.array([-1.0, 1.0, np.sqrt(2)]) / 2)
+        expected = (cosine - cosine.min()) / np.ptp(cosine)
+        np.testing.assert_allclose(hillshade(heights, 4.0, 2.0, *given), expected, atol=1e-12)
 
 
 def test_the_list_of_fonts_is_copied(tmp_path):
@@ -240,3 +262,36 @@ def test_a_font_in_the_wheel_is_a_whole_font(face):
     for table in font.keys():  # noqa: SIM118 - not a mapping
         font[table]
     assert len(font_bytes(face)) % 4 == 0
+
+
+def opentype(count, name="", tags=(b"CFF ", b"name")):
+    """A file of so many tables, padded to four bytes; its CFF table has names, of which one."""
+    size, names = 2, [name.encode(), b"other", b"names"]
+    ends = np.cumsum([1, *map(len, names)]).tolist()
+    cff = bytes([1, 0, 5, 4, 0]) + struct.pack(">HB4H", len(names), size, *ends)
+    tables = {tag: cff + b"".join(names) for tag in tags}
+    tables |= {b"%4d" % k: b"123" for k in range(count - len(tags))}
+    directory, content = struct.pack(">4sH6x", b"OTTO", count), b""
+    for tag, table in tables.items():
+        place = 12 + 16 * count + len(content)
+        directory += struct.pack(">4sLLL", tag, 0, place, len(table))
+        content += table
+    whole = directory + content
+    return whole + b"\0" * (-len(whole) % 4)
+
+
+def test_fonts_are_found_wherever_they_begin():
+    """One behind another, or behind letters like their first ones, of 5 to 40 tables."""
+    parts = [
+        opentype(5, "First"),
+        b"OTTO",
+        opentype(40, "Second-Bold"),
+        *(opentype(4, "no"), opentype(41, "no")),
+        *(opentype(6, "no", tags=(b"CFF ",)), opentype(6, tags=())),
+        opentype(6, "Third"),
+        opentype(5)[:91],  # a directory without its last byte
+    ]
+    starts = np.cumsum([0, *map(len, parts)]).tolist()
+    names = {0: "First", 2: "Second-Bold", 7: "Third"}
+    found = [*_opentype_files(b"".join(parts))]
+    assert found == [(name, starts[k], starts[k + 1]) for k, name in names.items()]

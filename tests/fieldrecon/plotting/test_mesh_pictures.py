@@ -3,9 +3,13 @@
 import numpy as np
 import pytest
 
+from fieldrecon.plotting import mesh_pictures
 from fieldrecon.plotting.mesh_pictures import (
     _VIEWS,
     COLORS,
+    INSIDE,
+    LIGHT,
+    OUTSIDE,
     Marks,
     MeshPicture,
     draw,
@@ -148,12 +152,19 @@ def test_a_mesh_fills_its_picture_up_to_a_margin(toward, size):
     assert not seen[:, -3:].any()
 
 
-def test_a_pixel_shows_the_triangle_that_is_nearest_to_the_viewer():
-    """Compared with a ray through the middle of each pixel and every triangle, one by one."""
+@pytest.mark.parametrize("middle", [None, np.array([2, 5])])
+def test_a_pixel_shows_the_triangle_that_is_nearest_to_the_viewer(middle):
+    """Compared with a ray through the middle of each pixel and every triangle, one by one; in a
+    close-up the triangles reach beyond the picture.
+    """
     rng = np.random.default_rng(3)
     points, triangles = rng.random((12, 3)), rng.permutation(12).reshape(4, 3)
-    picture = MeshPicture(points, triangles, np.array([0.3, -0.8, 0.4]), 40)
+    picture = MeshPicture(points, triangles, np.array([0.3, -0.8, 0.4]), 28, middle)
     rows, columns = picture.shape
+    if middle is not None:
+        beyond = picture.points[:, :2]
+        assert (beyond.min(axis=0) < 0).all()
+        assert (beyond.max(axis=0) > 28).all()
     for row in range(rows):
         for column in range(columns):
             depths = {}
@@ -166,6 +177,30 @@ def test_a_pixel_shows_the_triangle_that_is_nearest_to_the_viewer():
             assert picture.front.reshape(rows, columns)[row, column] == nearest
             expected = depths.get(nearest, -np.inf)
             assert picture.depth.reshape(rows, columns)[row, column] == pytest.approx(expected)
+            if depths:
+                corners = picture.points[triangles[nearest], :2]
+                side = np.roll(corners, -1, axis=0) - corners
+                to_pixel = [column + 0.5, row + 0.5] - corners
+                across = np.linalg.det(np.stack([side, to_pixel], axis=1))
+                distance = abs(across) / np.linalg.norm(side, axis=1)
+                near = picture.near_edge.reshape(rows, columns)[row, column]
+                assert near == (distance.min() < 0.6)
+
+
+@pytest.mark.parametrize("pixels_at_once", [1, 7, 64, 500, 10_000])
+def test_a_picture_does_not_depend_on_the_pixels_that_are_drawn_at_once(
+    monkeypatch, pixels_at_once
+):
+    """A triangle may have more of them, or none."""
+    points, triangles = cube(5)
+    triangles = np.vstack([triangles[:9], [[0, 0, 0]], triangles[9:], [[1, 1, 1]]])
+    views = points, triangles, np.array([1.0, 1.1, 1.2]), 40, np.array([0, 9])
+    wanted = MeshPicture(*views)
+    monkeypatch.setattr(mesh_pictures, "_CHUNK", pixels_at_once)
+    found = MeshPicture(*views)
+    assert (wanted.front >= 0).any()
+    for name in ("front", "depth", "near_edge"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(wanted, name))
 
 
 def test_the_two_sides_of_a_triangle_have_colours_of_their_own_and_a_tint_covers_both():
@@ -187,6 +222,30 @@ def test_the_two_sides_of_a_triangle_have_colours_of_their_own_and_a_tint_covers
     red = {0: np.array([0.8, 0.1, 0.1]), 1: np.array([0.8, 0.1, 0.1])}
     for picture in (above, below):
         assert middle(picture, red)[0] > 0.6
+
+
+@pytest.mark.parametrize(("pixels", "edge"), [(20, 1.0), (300, 0.6)])
+def test_the_colour_of_a_triangle_is_that_of_its_side_or_its_tint_by_its_light(pixels, edge):
+    """Of a tint 85 %, times (1 + |cos|) / 2 for the angle with the light; a large one is darker at
+    its edges.
+    """
+    points, triangles = cube(9)
+    triangles = triangles[::2]  # so that inner sides are seen
+    toward = np.array([1.0, 1.1, 1.2])
+    picture = MeshPicture(points, triangles, toward, pixels)
+    a, b, c = points[triangles].swapaxes(0, 1) @ picture.axes
+    normal = np.cross(b - a, c - a)
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    color = np.array([OUTSIDE if z > 0 else INSIDE for z in normal[:, 2]])
+    seen = np.unique(picture.front[picture.front >= 0])
+    tint = np.array([0.3, 0.5, 0.7])
+    for triangle in seen[::3]:
+        color[triangle] = (3 * color[triangle] + 17 * tint) / 20
+    color *= (1 + abs(normal @ LIGHT)[:, None]) / 2
+    shown = picture.front >= 0
+    image = picture.image(dict.fromkeys(seen[::3].tolist(), tint)).reshape(-1, 4)[shown, :3]
+    dark = np.where(picture.near_edge[shown], edge, 1.0)[:, None]
+    np.testing.assert_allclose(image, dark * color[picture.front[shown]], atol=1e-12)
 
 
 def test_a_triangle_that_faces_the_light_is_the_brightest():

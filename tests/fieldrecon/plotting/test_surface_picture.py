@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fieldrecon.pipelines.scans import ScanResult
+from fieldrecon.plotting import surface_picture
 from fieldrecon.plotting.surface_picture import _VIEWS, plot
 from fieldrecon.solids.marching_cubes import extract_surface
 from fieldrecon.solids.shapes import Ball
@@ -78,6 +79,18 @@ def test_views_from_the_front_and_from_behind_are_opposite():
     assert front[0] > 0 > behind[0]
     assert min(front[2], behind[2]) > 0
     assert front[:2] @ behind[:2] < -0.8 * np.linalg.norm(front[:2]) * np.linalg.norm(behind[:2])
+
+
+def test_the_unit_of_length_changes_no_picture_of_a_surface(scan, monkeypatch):
+    """It has a margin of some edges of the mesh."""
+    monkeypatch.setattr(surface_picture, "_PIXELS", 40)
+    one = scan((1, 1, 1))
+    large = replace(one.mesh, points=1024 * one.mesh.points, spacing=1024 * one.mesh.spacing)
+    for axes, other in zip(
+        plot(one, (0, 0, 1)).axes, plot(replace(one, mesh=large), (0, 0, 1)).axes, strict=True
+    ):
+        image, again = (a.images[0].get_array() for a in (axes, other))
+        np.testing.assert_allclose(image, again, atol=1e-9)
 
 
 def test_an_invented_surface_has_the_colour_of_the_legend(scan):
