@@ -29,7 +29,7 @@ from fieldrecon.kernels.positive_definite import (
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.partition_of_unity import blending as _blending
 from fieldrecon.methods.partition_of_unity import patches as _patches
-from fieldrecon.methods.partition_of_unity.ball_weights import weights_of_balls
+from fieldrecon.methods.partition_of_unity.ball_weights import REACH, weights_of_balls
 from fieldrecon.methods.partition_of_unity.batched_systems import (
     COLUMNS,
     _orthogonal,
@@ -138,6 +138,23 @@ def test_the_weight_of_a_ball_vanishes_from_its_radius_on():
     assert_close(weights_of_balls(centers, radii, x), np.tile(expected, (2, 1)), 1e-14)
 
 
+@pytest.mark.parametrize("side", [[-30.0, -30.0], [-30.0, 30.0], [30.0, -30.0], [30.0, 30.0]])
+def test_balls_end_at_the_next_site_or_in_a_gap_and_reach_beyond_all_sites(side):
+    """In the gap about a cluster at twice the distance of its farthest site.
+
+    An outlier is the middle of a ball.
+    """
+    outlier, cluster = np.array([side]), halton(12, 2) - side
+    m = PartitionOfUnityRBF(np.vstack([X[:150], outlier, cluster]), polyharmonic(1), 0, 12)
+    points, patches = m._frame.local(m.points), m._levels[0].patches
+    away = np.linalg.norm(points - patches.centers[:, None], axis=2)
+    own, following = np.sort(away, axis=1)[:, 11:13].T
+    assert_close(patches.radii, np.minimum(following, _patches.WIDEST * own), 1e-12)
+    in_gap = patches.radii < following - 1e-12
+    assert 0 < in_gap.sum() < len(patches) / 2
+    assert ((away / patches.radii[:, None]).min(axis=0) <= REACH).all()
+
+
 @pytest.mark.parametrize("d", [1, 2, 3])
 def test_each_site_in_a_box_of_its_own_is_the_centre_of_a_patch(d):
     """Patches of two sites have such boxes, some of which are empty."""
@@ -159,6 +176,7 @@ def test_levels_have_decreasing_numbers_of_sites(k):
     assert (sizes[1:] >= sizes[:-1] // 10).all()
     assert (sizes[1:] == third).all() == (k < 4)
     assert len(levels[-1].patches) == 1
+    assert levels[-1].patches.containing(X[:3]).patch.tolist() == [0, 0, 0]
 
 
 @pytest.mark.parametrize(("each", "halves"), [(9, 1), (10, 1), (11, 2)])
@@ -186,15 +204,16 @@ def test_the_chosen_sites_are_the_nearest_to_the_middles_of_their_boxes():
         points = np.add.outer([0.0, 10.0, 20.0], order).reshape(9, 1)
         chosen = _patches._thinned(points, np.arange(9).reshape(3, 3))
         assert_close(points[chosen, 0], [0.0, 10.0, 20.0], 0.0)
+    alone = np.arange(9)[:, None]  # every third of them, from the first one on
+    assert _patches._thinned(1.0 * alone, alone).tolist() == [0, 3, 6]
 
 
 def test_a_place_without_a_site_in_a_box_is_not_chosen():
-    """Although the last of all sites is nearer to the middle of the box than its own two."""
-    box, other = [[-5.0, 0.0], [5.0, 0.0]], [[-1.0, 2.0], [1.0, 2.0], [0.0, 3.0], [0.0, 1.0]]
-    rows = np.array([[0, 1, -1, -1], [2, 3, 4, 5]])
-    for places in ([0, 1, 2, 3], [2, 0, 3, 1]):
-        chosen = _patches._thinned(np.array(box + other), rows[:, places])
-        assert chosen.min() == 0
+    """Although the last of all sites is nearer to the middle of the box than its own three."""
+    box = [[-5.0, 0.0], [5.0, 0.0], [5.0, 0.1]]
+    other = [[-1.0, 2.0], [1.0, 2.0], [0.0, 3.0], [0.0, 1.0]]
+    rows = np.array([[0, 1, 2, -1], [3, 4, 5, 6]])
+    assert _patches._thinned(np.array(box + other), rows).min() >= 0
 
 
 def test_few_sites_share_a_patch_unless_they_are_narrow_clusters():
@@ -279,7 +298,7 @@ def test_each_patch_has_the_rbf_of_its_sites_with_their_smoothing(kernel, smooth
 def test_derivatives_of_small_patches_are_the_limits_of_difference_quotients():
     """Also of kernels with a length, inside and outside of the balls."""
     sites, q = X[:60], 1.4 * halton(80, 2, seed=1) - 0.2
-    field = PartitionOfUnityRBF(sites, matern(3.5, 0.4), 1, 12).field(wave(sites))
+    field = PartitionOfUnityRBF(sites, matern(3.5, 0.4), 2, 12).field(wave(sites))
     for function, derivative in ((field, field.gradient), (field.gradient, field.hessian)):
         steps = [1e-6 * unit for unit in np.eye(2)]
         quotient = np.stack([function(q + h) - function(q - h) for h in steps], axis=-1) / 2e-6
@@ -369,6 +388,12 @@ def test_clusters_of_very_different_sizes_are_interpolated():
     for power in (3, 5, 7):
         s = PartitionOfUnityRBF(x, polyharmonic(power), 3).field(franke(x))
         assert_close(s(x), franke(x), 1e-7)
+
+
+def test_a_patch_of_all_sites_keeps_a_constant_far_away():
+    """Although the kernel multiplies the rounding of its coefficients by 1e7 there."""
+    field = PartitionOfUnityRBF(X[:12], polyharmonic(3), 1).field(np.ones(12))
+    assert_close(field([[100.0, 200.0], [-150.0, 90.0]]), np.ones(2), 1e-11)
 
 
 def test_an_outlier_spoils_nothing_elsewhere():
@@ -591,7 +616,7 @@ def test_patches_grow_to_four_times_their_sites_and_not_into_the_far():
     """
     t = np.arange(192.0)[:, None]
     assert {*PartitionOfUnityRBF(t * [1.0, 2.0], polyharmonic(3), 1, 9).patch_sizes} == {36}
-    lines = np.concatenate([t[:10] * [1.0, 2.0] + far for far in ([0.0, 0.0], [1e6, 0.0])])
+    lines = np.concatenate([t[:17] * [1.0, 2.0] + [far, 0.0] for far in 1e6 * np.arange(4)])
     assert {*PartitionOfUnityRBF(lines, polyharmonic(3), 1, 9).patch_sizes} == {9}
 
 
