@@ -29,7 +29,7 @@ from fieldrecon.kernels.positive_definite import (
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.partition_of_unity import blending as _blending
 from fieldrecon.methods.partition_of_unity import patches as _patches
-from fieldrecon.methods.partition_of_unity.ball_weights import REACH, weights_of_balls
+from fieldrecon.methods.partition_of_unity.ball_weights import COVERED, REACH, weights_of_balls
 from fieldrecon.methods.partition_of_unity.batched_systems import (
     COLUMNS,
     _orthogonal,
@@ -293,6 +293,13 @@ def test_each_patch_has_the_rbf_of_its_sites_with_their_smoothing(kernel, smooth
 
 
 # --- smoothness -----------------------------------------------------------------------------------
+
+
+def test_the_next_level_has_a_weight_where_those_of_a_level_sum_to_less_than_c():
+    """It is c (1 - W/c)^3 of their sum W, and zero from W = c on."""
+    w = np.array([0.0, 0.5, 0.9, 1.0, 1.5, 100.0])
+    taken = _blending._taken_over(COVERED * w[None], 2)
+    assert_close(taken[0], COVERED * np.array([1.0, 0.125, 0.001, 0.0, 0.0, 0.0]), 1e-16)
 
 
 def test_derivatives_of_small_patches_are_the_limits_of_difference_quotients():
