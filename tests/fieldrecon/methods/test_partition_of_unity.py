@@ -4,6 +4,7 @@ import multiprocessing
 import re
 import tracemalloc
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from itertools import product
 
 import numpy as np
 import pytest
@@ -29,8 +30,10 @@ from fieldrecon.kernels.positive_definite import (
 from fieldrecon.kernels.weights import inverse_square
 from fieldrecon.methods.partition_of_unity import blending as _blending
 from fieldrecon.methods.partition_of_unity import patches as _patches
+from fieldrecon.methods.partition_of_unity.ball_weights import COVERED, REACH, weights_of_balls
 from fieldrecon.methods.partition_of_unity.batched_systems import (
     COLUMNS,
+    _orthogonal,
     batched_solve_grouped,
     solved,
 )
@@ -167,6 +170,32 @@ def test_the_patches_of_a_query_are_those_whose_balls_contain_it(d, seed, lattic
         assert surely <= found <= perhaps
 
 
+def test_the_weight_of_a_ball_vanishes_from_its_radius_on():
+    """And is (1 - r)^4 (4 r + 1) at the distance r, in units of the radius, of each ball."""
+    r = np.array([0.0, 0.25, 0.99, 1.0, 1.2, 3.0])
+    centers, radii = np.array([[1.0, 2.0], [-3.0, 0.5]]), np.array([0.5, 4.0])
+    x = centers[:, None] + np.multiply.outer(radii, r)[..., None] * [0.6, -0.8]
+    expected = np.maximum(1 - r, 0) ** 4 * (4 * r + 1)
+    assert_close(weights_of_balls(centers, radii, x), np.tile(expected, (2, 1)), 1e-14)
+
+
+@pytest.mark.parametrize("side", [[-30.0, -30.0], [-30.0, 30.0], [30.0, -30.0], [30.0, 30.0]])
+def test_balls_end_at_the_next_site_or_in_a_gap_and_reach_beyond_all_sites(side):
+    """In the gap about a cluster at twice the distance of its farthest site.
+
+    An outlier is the middle of a ball.
+    """
+    outlier, cluster = np.array([side]), halton(12, 2) - side
+    m = PartitionOfUnityRBF(np.vstack([X[:150], outlier, cluster]), polyharmonic(1), 0, 12)
+    points, patches = m._frame.local(m.points), m._levels[0].patches
+    away = np.linalg.norm(points - patches.centers[:, None], axis=2)
+    own, following = np.sort(away, axis=1)[:, 11:13].T
+    assert_close(patches.radii, np.minimum(following, _patches.WIDEST * own), 1e-12)
+    in_gap = patches.radii < following - 1e-12
+    assert 0 < in_gap.sum() < len(patches) / 2
+    assert ((away / patches.radii[:, None]).min(axis=0) <= REACH).all()
+
+
 @pytest.mark.parametrize("d", [1, 2, 3])
 def test_each_site_in_a_box_of_its_own_is_the_centre_of_a_patch(d):
     """Patches of two sites have such boxes, some of which are empty."""
@@ -188,6 +217,7 @@ def test_levels_have_decreasing_numbers_of_sites(k):
     assert (sizes[1:] >= sizes[:-1] // 10).all()
     assert (sizes[1:] == third).all() == (k < 4)
     assert len(levels[-1].patches) == 1
+    assert levels[-1].patches.containing(X[:3]).patch.tolist() == [0, 0, 0]
 
 
 @pytest.mark.parametrize(("each", "halves"), [(9, 1), (10, 1), (11, 2)])
@@ -215,11 +245,21 @@ def test_the_chosen_sites_are_the_nearest_to_the_middles_of_their_boxes():
         points = np.add.outer([0.0, 10.0, 20.0], order).reshape(9, 1)
         chosen = _patches._thinned(points, np.arange(9).reshape(3, 3))
         assert_close(points[chosen, 0], [0.0, 10.0, 20.0], 0.0)
+    alone = np.arange(9)[:, None]  # every third of them, from the first one on
+    assert _patches._thinned(1.0 * alone, alone).tolist() == [0, 3, 6]
+
+
+def test_a_place_without_a_site_in_a_box_is_not_chosen():
+    """Although the last of all sites is nearer to the middle of the box than its own three."""
+    box = [[-5.0, 0.0], [5.0, 0.0], [5.0, 0.1]]
+    other = [[-1.0, 2.0], [1.0, 2.0], [0.0, 3.0], [0.0, 1.0]]
+    rows = np.array([[0, 1, 2, -1], [3, 4, 5, 6]])
+    assert _patches._thinned(np.array(box + other), rows).min() >= 0
 
 
 def test_few_sites_share_a_patch_unless_they_are_narrow_clusters():
     """At most four times the sites of a patch; three in any case, and twelve for each axis of a
-    coarser level."""
+    coarser level. The unit does not matter."""
     even, cluster = halton(90, 2), 1e-6 * halton(90, 2)
     pairs = np.concatenate([np.add.outer([0.0, 1.0], c) for c in cluster])
     for points, k, finest, size in (
@@ -231,7 +271,8 @@ def test_few_sites_share_a_patch_unless_they_are_narrow_clusters():
         (pairs[:24], 20, False, 24),
         (pairs[:25], 20, False, 12),
     ):
-        assert _blending._patch_size(points, k, finest) == size
+        for unit in (1e-5, 1.0, 1e5):
+            assert _blending._patch_size(unit * points, k, finest) == size
 
 
 def test_levels_of_sites_on_an_axis_are_those_of_one_variable():
@@ -275,7 +316,43 @@ def test_one_patch_equals_rbf(d, kernel):
     assert_close(one.hessian(q), other.hessian(q), 1e-6)
 
 
+@pytest.mark.parametrize(
+    "kernel", [polyharmonic(3), thin_plate_spline(), matern(2.5, 0.3)], ids=repr
+)
+@pytest.mark.parametrize("smoothing", [0.01, np.linspace(0.001, 0.1, 200)], ids=["same", "own"])
+def test_each_patch_has_the_rbf_of_its_sites_with_their_smoothing(kernel, smoothing):
+    """However small it is."""
+    x, q = 10 * X[:200], 10 * uniform(20, 2, seed=3)
+    m = PartitionOfUnityRBF(x, kernel, 1, 12, smoothing)
+    systems = m._levels[0].systems[0]
+    coefficients = m._prepare(wave(x)[:, None])[0][0]
+    for patch in (0, len(systems) - 1):
+        own = m._levels[0].sites[systems.sites[patch]]
+        alone = RBF(x[own], kernel, 1, np.broadcast_to(smoothing, 200)[own]).field(wave(x[own]))
+        values = systems.values(np.full(20, patch), m._frame.local(q), coefficients)
+        assert_close(values[:, 0], alone(q), 1e-8 * np.abs(values).max())
+
+
 # --- smoothness -----------------------------------------------------------------------------------
+
+
+def test_the_next_level_has_a_weight_where_those_of_a_level_sum_to_less_than_c():
+    """It is c (1 - W/c)^3 of their sum W, and zero from W = c on."""
+    w = np.array([0.0, 0.5, 0.9, 1.0, 1.5, 100.0])
+    taken = _blending._taken_over(COVERED * w[None], 2)
+    assert_close(taken[0], COVERED * np.array([1.0, 0.125, 0.001, 0.0, 0.0, 0.0]), 1e-16)
+
+
+def test_derivatives_of_small_patches_are_the_limits_of_difference_quotients():
+    """Also of kernels with a length, inside and outside of the balls."""
+    sites, q = X[:60], 1.4 * halton(80, 2, seed=1) - 0.2
+    field = PartitionOfUnityRBF(sites, matern(3.5, 0.4), 2, 12).field(wave(sites))
+    for function, derivative in ((field, field.gradient), (field.gradient, field.hessian)):
+        steps = [1e-6 * unit for unit in np.eye(2)]
+        quotient = np.stack([function(q + h) - function(q - h) for h in steps], axis=-1) / 2e-6
+        exact = derivative(q)
+        error = np.linalg.norm((exact - quotient).reshape(80, -1), axis=1)
+        assert (error < 1e-5 * (1 + np.linalg.norm(exact.reshape(80, -1), axis=1))).all()
 
 
 def largest_jump_of_the_second_derivative(step: float) -> float:
@@ -361,6 +438,12 @@ def test_clusters_of_very_different_sizes_are_interpolated():
         assert_close(s(x), franke(x), 1e-7)
 
 
+def test_a_patch_of_all_sites_keeps_a_constant_far_away():
+    """Although the kernel multiplies the rounding of its coefficients by 1e7 there."""
+    field = PartitionOfUnityRBF(X[:12], polyharmonic(3), 1).field(np.ones(12))
+    assert_close(field([[100.0, 200.0], [-150.0, 90.0]]), np.ones(2), 1e-11)
+
+
 def test_an_outlier_spoils_nothing_elsewhere():
     """In the cloud the field is as accurate as without it, however far away it is.
 
@@ -420,10 +503,26 @@ def test_a_kernel_too_flat_for_rough_data_is_refused():
     for metric in (None, [1.0, 3.0], [[2.0, 1.0], [1.0, 1.0]]):
         m = PartitionOfUnityRBF(sites, gaussian(50.0), -1, 30, metric=metric)
         with pytest.raises(np.linalg.LinAlgError, match="would miss its data") as refusal:
-            m.field(np.cos(1e4 * np.arange(len(X))))
+            m.field(1e-9 * np.cos(1e4 * np.arange(len(X))))
         place = re.search(r"patch about \((.*), (.*)\) would", str(refusal.value))
         where = np.array([float(c) for c in place.groups()])
         assert ((low < where) & (where < high)).all()
+
+
+def test_a_miss_of_a_patch_is_refused_as_far_as_the_blended_field_has_it():
+    """If it exceeds a hundredth of the data, times the largest share of the patch at the site."""
+    systems = PartitionOfUnityRBF(X[:300])._levels[0].systems[0]
+    patches = np.arange(3)
+    shares = systems._largest_shares(patches)
+    miss = np.zeros((*shares.shape, 2))
+    systems._refuse_a_miss(patches, miss)
+    patch, place = np.argwhere((shares > 0.05) & (shares < 0.5))[-1]
+    miss[patch, place, 1] = 0.009 / shares[patch, place]
+    systems._refuse_a_miss(patches, miss)
+    miss[patch, place, 1] = 0.011 / shares[patch, place]
+    for missed in (miss, np.full_like(miss, 0.011)):
+        with pytest.raises(np.linalg.LinAlgError, match="would miss its data by about 1e-02"):
+            systems._refuse_a_miss(patches, missed)
 
 
 def test_smoothing_reduces_noise():
@@ -528,6 +627,15 @@ def test_patches_count_a_degree_only_where_it_stands_out_from_the_lower_ones():
         assert_close(at_sites.T @ at_sites, np.diag(there.astype(float)), 1e-9)
 
 
+def test_bases_of_sites_near_a_circle_are_orthonormal_to_rounding():
+    """There x^2 + y^2 is nearly a polynomial of lower degree; subtracting it once loses digits."""
+    rng = np.random.default_rng(0)
+    t, r = 2 * np.pi * rng.random(60), 1 + 1e-3 * rng.random(60)
+    y = np.column_stack([1 + r * np.cos(t), 1 + r * np.sin(t)]) / 4
+    at_sites = monomials(y, 3) @ orthonormal_basis(y[None], 3, np.full((1, 4), 1e-9))[0]
+    assert_close(at_sites.T @ at_sites, np.eye(10), 2e-10)
+
+
 def test_sites_on_a_line_use_the_polynomials_of_one_variable():
     t = np.sort(np.random.default_rng(3).random(300))
     m = PartitionOfUnityRBF(np.outer(t, [1.0, 2.0, 3.0]))
@@ -556,7 +664,7 @@ def test_patches_grow_to_four_times_their_sites_and_not_into_the_far():
     """
     t = np.arange(192.0)[:, None]
     assert {*PartitionOfUnityRBF(t * [1.0, 2.0], polyharmonic(3), 1, 9).patch_sizes} == {36}
-    lines = np.concatenate([t[:10] * [1.0, 2.0] + far for far in ([0.0, 0.0], [1e6, 0.0])])
+    lines = np.concatenate([t[:17] * [1.0, 2.0] + [far, 0.0] for far in 1e6 * np.arange(4)])
     assert {*PartitionOfUnityRBF(lines, polyharmonic(3), 1, 9).patch_sizes} == {9}
 
 
@@ -722,6 +830,23 @@ def test_set_up_and_fit_report_progress(monkeypatch):
         assert len(set(done)) > 5
         assert {of for _, of in calls} == {total}
         assert calls[-1] == (total, total)
+    fifths = {len(X) * part // 5 for part in range(1, 6)}  # cuts, balls, boxes, systems; the rest
+    assert fifths <= {done for done, _ in made}
+    assert made[-2][0] == max(fifths - {len(X)})
+
+
+def test_residuals_and_adjoints_report_progress_with_patches_of_several_sizes():
+    """It ascends, and the last call has the total: of the patches, and of the queries."""
+    m = PartitionOfUnityRBF(tracks()[::4], polyharmonic(3), 1, 12)
+    assert len({*m.patch_sizes.tolist()}) > 1
+    residuals, sums = [], []
+    leave_one_out(m, wave(m.points), progress=lambda *call: residuals.append(call))
+    m.adjoint(X, wave(X), progress=lambda *call: sums.append(call))
+    for calls, total in ((residuals, len(m.patch_sizes)), (sums, len(X))):
+        assert calls == sorted(calls)
+        assert len({done for done, _ in calls}) > 1
+        assert min(calls) > (0, total)
+        assert calls[-1] == (total, total)
 
 
 @pytest.mark.parametrize("n", [1, 30, 200])
@@ -769,6 +894,58 @@ def test_singular_consistent_systems_are_solved():
         assert_close(a @ found, unit * b, 1e-9)
         assert np.abs(found).max() < 10 * np.abs(x).max()
         assert_close(found[0], unit * x[0], 1e-9)
+
+
+def test_singular_systems_have_the_solution_of_least_norm_and_least_squares():
+    """With and without polynomials, whose equations are met; in any unit of the kernel."""
+    rng = np.random.default_rng(1)
+    a = rng.normal(size=(8, 5))
+    a /= np.linalg.norm(a, axis=1, keepdims=True)
+    a = a @ a.T
+    np.fill_diagonal(a, 1.0)
+    for q, unit in product((0, 2), (2.0**-30, 1.0, 2.0**30)):
+        p, f, g = rng.normal(size=(8, q)), rng.normal(size=(8, 3)), rng.normal(size=(q, 3))
+        matrix = np.block([[unit * a, p], [p.T, np.zeros((q, q))]])
+        found = solved(matrix[None], np.vstack([unit * f, g])[None], 8)[0]
+        across = np.eye(8) - p @ np.linalg.pinv(p)
+        least = np.linalg.pinv(p.T) @ g
+        least += np.linalg.pinv(across @ a @ across, 1e-9, hermitian=True) @ (f - a @ least)
+        assert_close(found[:8], least, 1e-9)
+        assert_close(found[8:] / unit, np.linalg.pinv(p) @ (f - a @ least), 1e-9)
+
+
+@pytest.mark.parametrize("q", [0, 2])
+@pytest.mark.parametrize("huge", [[0], [1], [8], [0, 1, 8]])
+def test_systems_with_a_huge_smoothing_of_some_data_are_solved(q, huge):
+    """Whichever they are: the rounding of these entries does not drown the others."""
+    t = np.linspace(0, 1, 9)
+    matrix = np.zeros((9 + q, 9 + q))
+    matrix[:9, :9] = np.exp(-((8 * (t[:, None] - t)) ** 2))
+    matrix[:9, 9:] = np.vander(t, q)
+    matrix[9:, :9] = matrix[:9, 9:].T
+    matrix[huge, huge] += 1e20
+    right = np.random.default_rng(0).normal(size=(9 + q, 2))
+    assert_close(matrix @ solved(matrix[None], right[None], 9)[0], right, 1e-9)
+
+
+def test_what_is_left_beside_polynomials_is_orthogonal_to_them_to_its_own_rounding():
+    """However small it is beside them."""
+    rng = np.random.default_rng(3)
+    q = np.linalg.qr(rng.normal(size=(9, 3)))[0]
+    x = 1e8 * q @ rng.normal(size=(3, 4)) + rng.normal(size=(9, 4))
+    assert_close(q.T @ _orthogonal(q, x), np.zeros((3, 4)), 1e-14)
+
+
+def test_the_weights_of_a_far_query_sum_to_one():
+    """To rounding, although the kernel drowns the constant there, and in any unit."""
+    t = np.linspace(0, 1, 12)
+    p = np.vander(t, 2)
+    matrix = np.block([[np.abs(t[:, None] - t) ** 3, p], [p.T, np.zeros((2, 2))]])
+    for far in (1e4, 1e6):
+        right = np.concatenate([np.abs(far - t) ** 3, [far, 1.0]])
+        for unit in (1.0, 2.0**-60):
+            found = solved(matrix[None], unit * right[None, :, None], len(t))[0, :, 0]
+            assert_close(found[: len(t)].sum() / unit, 1.0, 1e-7)
 
 
 def test_a_kernel_of_large_values_keeps_polynomial_reproduction():
