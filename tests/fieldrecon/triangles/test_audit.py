@@ -466,13 +466,32 @@ def test_orientation_signs_are_exact():
     np.testing.assert_array_equal(_predicates.orient2d(a, b, c), expected)
 
 
+def test_signs_are_exact_where_all_roundings_go_one_way():
+    """The error is larger than a rounding of the sum of the terms; its bound is two of them."""
+    rng, half = np.random.default_rng(0), 2.0**-53
+    x, y, z = 1 + rng.integers(2**49, 2**50, (3, 4000)) * 2.0**-52
+    w = (x * y - 6 * half) / z
+    a = np.full((4000, 2), half * (1 - 1e-6))
+    b, c = np.column_stack([x, -z]), np.column_stack([-w, y])
+    naive = np.sign((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    expected = _predicates._exact_signs((a, b, c))
+    assert (naive != expected).any()
+    np.testing.assert_array_equal(_predicates.orient2d(a, b, c), expected)
+
+
 @pytest.mark.parametrize("flat", [0, 1, 2])
 def test_points_are_collinear_if_all_three_projections_are(flat):
-    """In a plane of coordinates only one projection is not a line, and that by the last bit."""
+    """In a plane of coordinates only one projection is not a line, and that by the last bit.
+
+    A tolerance of this bit makes it one.
+    """
     ends = np.array([[0.0, 0.0], [24.0, 24.0], [0.5, 0.5 + 2.0**-53]])
-    a, b, c = np.insert(ends, flat, 0.0, axis=1)[:, None, :]
-    assert not _predicates.collinear(a, b, c).any()
-    assert _predicates.collinear(a, b, (a + b) / 4).all()
+    on_line = np.minimum(ends, ends[:, :1])
+    for order in map(list, itertools.permutations(range(3))):
+        bent, straight = (np.insert(p[order], flat, 0.0, axis=1)[:, None] for p in (ends, on_line))
+        assert not _predicates.collinear(*bent).any()
+        assert _predicates.collinear(*bent, tolerance=2.0**-53).all()
+        assert _predicates.collinear(*straight).all()
 
 
 @pytest.mark.slow
@@ -597,6 +616,12 @@ def test_any_tolerance_is_a_length_and_zero_distinguishes_all_points(tolerance):
     assert duplicates.merged_vertices(near[[0, 1, 0, 1]], 0.0).tolist() == [0, 1, 0, 1]
 
 
+def test_edges_without_length_keep_the_order_of_their_ends():
+    """All four ends are in one place."""
+    pairs = duplicates._edge_pairs(np.array([[1, 0], [2, 3]]), np.zeros(4, dtype=int))
+    assert pairs.tolist() == [[1, 0, 2, 3]]
+
+
 # --- output and refusals --------------------------------------------------------------------------
 
 
@@ -629,6 +654,22 @@ def test_the_hierarchy_finds_the_boxes_that_overlap_and_no_others():
     meet = ((low[:, None] <= high) & (low <= high[:, None])).all(axis=2)
     expected = {(i, j) for i, j in np.argwhere(meet).tolist() if i < j}
     assert sorted(map(tuple, np.sort(found, axis=1).tolist())) == sorted(expected)
+
+
+@pytest.mark.parametrize(("one", "other"), [(60, 25), (25, 60), (1, 33), (33, 1)])
+def test_two_hierarchies_of_any_depth_give_the_boxes_that_overlap(one, other):
+    """Those of the second tree are a lattice, too, near the first or far from it."""
+    rng = np.random.default_rng(4)
+    for far in (0.0, 4.0, 50.0):
+        low = [rng.integers(0, 9, (k, 3)) + shift for k, shift in ((one, 0.0), (other, far))]
+        high = [corner + rng.integers(0, 4, corner.shape) for corner in low]
+        trees = [bounding_volumes.BVH(*box, np.zeros(3)) for box in zip(low, high, strict=True)]
+        i, j = bounding_volumes.intersecting_pairs(
+            trees[0], lambda *ij: np.column_stack(ij), trees[1]
+        ).T
+        found = zip(trees[0].order[i].tolist(), trees[1].order[j].tolist(), strict=True)
+        meet = (low[0][:, None] <= high[1]) & (low[1] <= high[0][:, None])
+        assert sorted(found) == sorted(map(tuple, np.argwhere(meet.all(axis=2)).tolist()))
 
 
 def test_progress_is_reported():

@@ -16,8 +16,15 @@ from fieldrecon.triangles.audit import audit_mesh
 from fieldrecon.triangles.distances import distances_to_triangles
 from fieldrecon.triangles.duplicates import first_duplicates
 from fieldrecon.triangles.half_edges import HalfEdges
-from fieldrecon.triangles.holes import MAX_LOOP, _cycles, _keys, minimum_area_patches
-from fieldrecon.triangles.orientation import inverted
+from fieldrecon.triangles.holes import (
+    MAX_LOOP,
+    _cycles,
+    _has_known_diagonals,
+    _keys,
+    hole_patches,
+    minimum_area_patches,
+)
+from fieldrecon.triangles.orientation import inconsistently_oriented, inverted
 from fieldrecon.triangles.repair import erroneous, repair_mesh, without_flat
 from fieldreport.experiments.triangles.planted_errors import damaged, planted_errors
 from fieldreport.experiments.triangles.triangle_shapes import (
@@ -579,6 +586,99 @@ def test_a_long_path_around_a_hole_does_not_hide_a_short_one():
     assert list(_cycles(SimpleNamespace(start=starts, end=ends), paths)) == [(0, 2)]
 
 
+def test_all_short_simple_cycles_of_paths_are_found_once():
+    """Of paths of one side between few joints; each cycle from its first path."""
+    for seed in range(6):
+        starts, ends = np.random.default_rng(seed).integers(0, 4, (2, 7))
+        joined = [
+            cycle
+            for k in range(1, 5)
+            for cycle in itertools.permutations(range(7), k)
+            if cycle[0] == min(cycle)
+            and len({*starts[[*cycle]]}) == k
+            and (ends[[*cycle]] == np.roll(starts[[*cycle]], -1)).all()
+        ]
+        found = [*_cycles(SimpleNamespace(start=starts, end=ends), np.arange(7)[:, None])]
+        assert sorted(found) == sorted(joined)
+
+
+@pytest.mark.parametrize("corners", [4, 5, 7])
+def test_a_patch_has_a_known_diagonal_if_an_edge_of_two_of_its_triangles_exists(corners):
+    """Each of the other edges may be known: of the boundary, or of none of its triangles."""
+    points = np.random.default_rng(corners).normal(size=(2, corners, 3))
+    order = minimum_area_patches(points)[0]
+    numbers = np.random.default_rng(0).permutation(corners + 3)[:corners]
+    for known in map(list, itertools.combinations(range(corners + 3), 2)):
+        found = _has_known_diagonals(
+            order, numbers[order], _keys(np.array([known]), corners + 3), corners + 3
+        )
+        count = [Counter(e for t in numbers[patch] for e in edges_of(t)) for patch in order]
+        assert found.tolist() == [c[(*known,)] == 2 for c in count]
+
+
+def cone(corners, height, left):
+    """Triangles from a regular polygon of radius 1 to a tip, and their area over the polygon's."""
+    angle = 2 * np.pi * np.arange(corners) / corners
+    rim = np.column_stack([np.cos(angle) + left, np.sin(angle), 0 * angle])
+    around = np.arange(corners)
+    tip = np.full(corners, corners)
+    apothem = np.cos(np.pi / corners)
+    return (
+        np.vstack([rim, [left, 0, height]]),
+        np.column_stack([around, np.roll(around, -1), tip]),
+        np.hypot(height, apothem) / apothem,
+    )
+
+
+def test_a_hole_is_filled_up_to_its_share_of_the_area_of_its_part():
+    """The holes below cones of different heights, in any order of the triangles."""
+    cones = [cone(k, h, 4 * i) for i, (k, h) in enumerate([(3, 1), (5, 9), (4, 3), (5, 2), (6, 5)])]
+    points, triangles = together(*(surface[:2] for surface in cones))
+    triangles = triangles[np.random.default_rng(0).permutation(len(triangles))]
+    rims = [
+        {*range(n - len(p), n - 1)}
+        for (p, _, _), n in zip(
+            cones, np.cumsum([len(p) for p, _, _ in cones]).tolist(), strict=True
+        )
+    ]
+    for _, _, ratio in cones:
+        for largest in ((1 + 1e-9) / ratio, (1 - 1e-9) / ratio):
+            filling, hole = hole_patches(points, triangles, largest)
+            expected = [rim for rim, c in zip(rims, cones, strict=True) if largest * c[2] >= 1]
+            filled = [{*filling[hole == k].ravel().tolist()} for k in range(len(expected))]
+            assert sorted(map(sorted, filled)) == sorted(map(sorted, expected))
+            whole = np.concatenate([triangles, filling])
+            half_edges = HalfEdges(whole, len(points))
+            assert len(half_edges.boundary_loops) == len(cones) - len(expected)
+            assert not inconsistently_oriented(half_edges)[0].any()
+            assert hole.max(initial=-1) == len(expected) - 1
+
+
+def test_a_boundary_of_32_edges_is_filled_and_one_of_33_is_not():
+    """As the documentation of the repair says."""
+    for corners, new in ((32, 30), (33, 0)):
+        points, triangles, _ = cone(corners, 5.0, 0.0)
+        assert len(hole_patches(points, triangles, 1.0)[0]) == new
+
+
+def test_parts_are_closed_if_two_triangles_meet_at_each_edge():
+    """Random triangles, counted edge by edge in each part."""
+    kinds = set()
+    tetrahedron = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        rows = np.array([*itertools.combinations(range(5), 3)])
+        some = rows[rng.permutation(len(rows))[: rng.integers(1, 5)]] + 4
+        triangles = rng.permutation(np.concatenate([tetrahedron, some]))
+        half_edges = HalfEdges(triangles, 9)
+        for part, closed in enumerate(half_edges.closed_parts):
+            edges = [e for t in triangles[half_edges.parts == part] for e in edges_of(t)]
+            counts = {*Counter(edges).values()}
+            assert closed == (counts == {2})
+            kinds.add((*sorted(counts),))
+    assert {(1,), (2,), (1, 2), (1, 2, 3)} <= kinds
+
+
 def test_a_closed_part_without_volume_is_not_inverted():
     """A fan of triangles, and the same fan below it: the sum of volumes is a rounding error."""
     rng, next_one = np.random.default_rng(1), np.roll(np.arange(12), -1)
@@ -628,3 +728,17 @@ def test_an_edge_of_two_triangles_is_not_split_at_a_vertex_of_a_boundary():
     ):
         triangles = np.array([first, *second])
         assert np.array_equal(_mending.split_free_edges(points, triangles, 0.0), triangles)
+
+
+def test_a_free_edge_is_not_split_at_a_vertex_without_a_boundary():
+    """The hub of a wheel touches the middle of an edge of another triangle."""
+    angle = np.arange(6) * np.pi / 3
+    rim = np.column_stack([0 * angle, np.cos(angle), np.sin(angle)])
+    triangle = np.array([[-1.0, 0, 0], [1, 0, 0], [-1, -2, 2]])
+    points = np.vstack([rim, [[0, 0, 0]], triangle])
+    wheel = np.column_stack([np.arange(6), (np.arange(6) + 1) % 6, np.full(6, 6)])
+    triangles = np.vstack([wheel, [[7, 8, 9]]])
+    assert (audit_mesh(points, triangles).t_junctions == [6, 7, 8]).any()
+    np.testing.assert_array_equal(_mending.split_free_edges(points, triangles, 0.0), triangles)
+    cut = np.vstack([wheel[1:], [[7, 8, 9]]])
+    assert len(_mending.split_free_edges(points, cut, 0.0)) == len(cut) + 1
