@@ -616,10 +616,37 @@ def test_any_tolerance_is_a_length_and_zero_distinguishes_all_points(tolerance):
     assert duplicates.merged_vertices(near[[0, 1, 0, 1]], 0.0).tolist() == [0, 1, 0, 1]
 
 
-def test_edges_without_length_keep_the_order_of_their_ends():
-    """All four ends are in one place."""
-    pairs = duplicates._edge_pairs(np.array([[1, 0], [2, 3]]), np.zeros(4, dtype=int))
-    assert pairs.tolist() == [[1, 0, 2, 3]]
+def test_points_as_far_apart_as_the_tolerance_are_merged():
+    """Exactly so far; and also by far less than the roundings of the other coordinates."""
+    points = np.array([[0.0, 0, 0], [3, 4, 0], [8, 4, 0], [14, 4, 0]])
+    for way in (duplicates._near_pairs, duplicates._near_pairs_by_tree):
+        assert sorted(np.sort(way(points, 5.0), axis=1).tolist()) == [[0, 1], [1, 2]]
+    for unit in (2.0**-10, 1.0, 2.0**10):
+        some = np.random.default_rng(1).random((200, 3)) * [1e-16, 1, 1]
+        close = unit * np.vstack([some, np.add(some, [2.0**-56, 0, 0])])
+        found = duplicates.merged_vertices(close, unit * 2.0**-56 * (1 + 1e-9))
+        np.testing.assert_array_equal(found, np.tile(np.arange(200), 2))
+
+
+def test_equal_triangles_are_those_of_the_same_three_vertices():
+    """All triples, each in every order, on few vertices and on millions."""
+    triples = np.array([*itertools.permutations(range(7), 3)])
+    triples = np.random.default_rng(0).permutation(triples)
+    sets = [{*t} for t in triples.tolist()]
+    expected = [sets.index(t) for t in sets]
+    for n in (7, 2**22):
+        np.testing.assert_array_equal(duplicates.first_duplicates(triples, n), expected)
+
+
+def test_coincident_edges_are_paired_in_order():
+    """With their coincident ends in the same order; ends of edges without length keep theirs."""
+    rng = np.random.default_rng(0)
+    for merged in (np.array([0, 1, 1, 3, 0, 3, 1, 0, 8]), np.zeros(9, dtype=int)):
+        edges = rng.permutation([*itertools.permutations(range(9), 2)])[:40]
+        ordered = [e if merged[e[0]] <= merged[e[1]] else e[::-1] for e in edges.tolist()]
+        rows = sorted((*merged[e], *e) for e in ordered)
+        expected = [[*e[2:], *f[2:]] for e, f in itertools.pairwise(rows) if e[:2] == f[:2]]
+        assert duplicates._edge_pairs(edges, merged).tolist() == expected
 
 
 # --- output and refusals --------------------------------------------------------------------------
