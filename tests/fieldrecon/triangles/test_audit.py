@@ -564,6 +564,8 @@ def test_the_default_tolerance_is_four_roundings_of_the_largest_coordinate(dtype
     points = np.array([[0, 0, 1], [1, 0, 2], [0, largest, 0]]).astype(dtype)
     eps = np.finfo(np.float32 if dtype == np.float32 else float).eps
     assert audit_mesh(points, [[0, 1, 2]]).tolerance == 4 * eps * abs(largest)
+    if np.dtype(dtype).kind == "f":
+        assert audit_mesh(points / 16, [[0, 1, 2]]).tolerance == eps * abs(largest) / 4
 
 
 @pytest.mark.parametrize("largest", [1.0, 1.5, 2.0, 0.7, 1e300, 1e-300])
@@ -581,7 +583,8 @@ def test_coordinates_count_as_zero_if_the_largest_is_1e61_times_larger():
     points, triangles = cube(1)
     seam = triangles.copy()
     seam[0, 0] = len(points)  # a vertex of its own, at the corner of this triangle
-    for tiny, found in ((1e-58, 0), (1e-62, 1), (1e-300, 1)):
+    limit = 2.0**-200
+    for tiny, found in ((1.1 * limit, 0), (limit, 1), (0.9 * limit, 1), (1e-300, 1)):
         moved = np.vstack([points, points[triangles[0, 0]] + 0.0])
         moved[-1][moved[-1] == 0] = tiny
         assert (moved[-1] == tiny).any()
@@ -737,6 +740,34 @@ def test_coincident_points_give_degenerate_triangles():
     """Triangles without area are reported as degenerate only."""
     audit = audit_mesh(np.zeros((6, 3)), [[0, 1, 2], [3, 4, 5]])
     assert audit.degenerate_triangles.tolist() == [0, 1]
+    assert audit.crossings.shape == audit.overlaps.shape == (0, 2)
+    assert audit.t_junctions.shape == (0, 3)
+
+
+def test_parts_are_counted_of_a_mesh_of_nothing_too():
+    """There need be no triangles, and no points."""
+    nothing = np.empty((0, 3), dtype=int)
+    for surface, parts in (
+        (CLEAN["sphere"], 1),
+        (CLEAN["two bodies"], 2),
+        ((nothing * 0.5, nothing), 0),
+    ):
+        audit = audit_mesh(*surface)
+        assert audit.clean
+        assert audit.parts == parts
+
+
+def test_triangles_of_a_soup_have_vertices_of_their_own_of_which_some_coincide():
+    """One triangle alone is no soup, nor are two with a common edge and a third beside them."""
+    points = np.array(
+        [[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 1, 0], [0, 2, 0], [-1, 1, 1]]
+    )
+    for triangles, is_soup in (
+        ([[0, 1, 2]], False),
+        ([[0, 1, 2], [1, 3, 2], [4, 5, 6]], False),
+        ([[0, 1, 2], [4, 5, 6]], True),
+    ):
+        assert audit_mesh(points, triangles).soup == is_soup
 
 
 def test_morton_codes_interleave_the_bits():

@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 
 from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.io.meshes import read_triangles, write_triangles
+from fieldrecon.triangles import half_edges as _half_edges
+from fieldrecon.triangles import orientation as _orientation
 from fieldrecon.triangles import repair as _mending
 from fieldrecon.triangles.audit import audit_mesh
 from fieldrecon.triangles.distances import distances_to_triangles
@@ -526,6 +528,29 @@ def test_distances_to_single_and_collapsed_triangles():
     np.testing.assert_allclose(distances_to_triangles(above, [a, b, c], [[0, 1, 2]]), 0.7)
 
 
+def test_distances_to_triangles_are_lengths():
+    """Multiplied by a factor if everything is, however small or large."""
+    rng = np.random.default_rng(3)
+    x, corners = rng.normal(size=(60, 3)), rng.normal(size=(3, 3))
+    shares = np.array([s for s in itertools.product(range(41), repeat=3) if sum(s) == 40]) / 40
+    on_it = shares @ corners
+    near = np.linalg.norm(x[:, None] - on_it, axis=2).min(axis=1)
+    for unit in (1e-3, 1.0, 1e3):
+        found = distances_to_triangles(unit * x, unit * corners, [[0, 1, 2]]) / unit
+        assert (found <= near + 1e-9).all()
+        assert (found > near - 0.1).all()
+        np.testing.assert_allclose(found, distances_to_triangles(x, corners, [[0, 1, 2]]))
+
+
+def test_the_triangle_of_the_nearest_vertex_is_found():
+    """Its other vertices are farther away than those of other triangles."""
+    spike = [[0.0, 0, 0], [99, 1, 0], [99, -1, 0]]
+    others = [[0, 5 + k, j] for k in range(3) for j in (0, 1, 2)]
+    triangles = np.arange(12).reshape(4, 3)
+    found = distances_to_triangles([[-1.0, 0, 0]], spike + others, triangles)
+    assert found == pytest.approx(1)
+
+
 def edges_of(triangle):
     return [tuple(sorted(map(int, pair))) for pair in itertools.combinations(triangle, 2)]
 
@@ -587,7 +612,7 @@ def test_a_long_path_around_a_hole_does_not_hide_a_short_one():
 
 
 def test_all_short_simple_cycles_of_paths_are_found_once():
-    """Of paths of one side between few joints; each cycle from its first path."""
+    """Of paths of one to three sides between few joints; each cycle from its first path."""
     for seed in range(20):
         starts, ends = np.random.default_rng(seed).integers(0, 3, (2, 5))
         joined = [
@@ -598,7 +623,11 @@ def test_all_short_simple_cycles_of_paths_are_found_once():
             and len({*starts[[*cycle]]}) == k
             and (ends[[*cycle]] == np.roll(starts[[*cycle]], -1)).all()
         ]
-        found = [*_cycles(SimpleNamespace(start=starts, end=ends), np.arange(5)[:, None])]
+        paths = [np.arange(3 * k, 3 * k + 1 + k % 3) for k in range(5)]
+        sides = SimpleNamespace(start=np.full(15, 99), end=np.full(15, 99))
+        sides.start[[path[0] for path in paths]] = starts
+        sides.end[[path[-1] for path in paths]] = ends
+        found = [*_cycles(sides, paths)]
         assert sorted(found) == sorted(joined)
 
 
@@ -631,7 +660,7 @@ def cone(corners, height, left):
 
 
 def test_a_hole_is_filled_up_to_its_share_of_the_area_of_its_part():
-    """The holes below cones of different heights, in any order of the triangles."""
+    """The holes below cones of different heights; short ones first, then by their first sides."""
     cones = [cone(k, h, 4 * i) for i, (k, h) in enumerate([(3, 1), (5, 9), (4, 3), (5, 2), (6, 5)])]
     points, triangles = together(*(surface[:2] for surface in cones))
     triangles = triangles[np.random.default_rng(0).permutation(len(triangles))]
@@ -641,17 +670,28 @@ def test_a_hole_is_filled_up_to_its_share_of_the_area_of_its_part():
             cones, np.cumsum([len(p) for p, _, _ in cones]).tolist(), strict=True
         )
     ]
+    sides = [side for t in triangles.tolist() for side in zip(t, t[1:] + t[:1], strict=True)]
     for _, _, ratio in cones:
         for largest in ((1 + 1e-9) / ratio, (1 - 1e-9) / ratio):
             filling, hole = hole_patches(points, triangles, largest)
             expected = [rim for rim, c in zip(rims, cones, strict=True) if largest * c[2] >= 1]
+            expected.sort(
+                key=lambda rim: (len(rim), [{*side} <= rim for side in sides].index(True))
+            )
             filled = [{*filling[hole == k].ravel().tolist()} for k in range(len(expected))]
-            assert sorted(map(sorted, filled)) == sorted(map(sorted, expected))
+            assert filled == expected
             whole = np.concatenate([triangles, filling])
             half_edges = HalfEdges(whole, len(points))
             assert len(half_edges.boundary_loops) == len(cones) - len(expected)
             assert not inconsistently_oriented(half_edges)[0].any()
             assert hole.max(initial=-1) == len(expected) - 1
+
+
+def test_a_hole_of_exactly_the_share_of_the_area_is_filled():
+    """In a plane: three triangles around a point inside a triangle."""
+    points = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 0]])
+    around = np.array([[0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    assert len(hole_patches(points, around, 1.0)[0]) == 1
 
 
 def test_a_boundary_of_32_edges_is_filled_and_one_of_33_is_not():
@@ -669,14 +709,17 @@ def test_parts_are_closed_if_two_triangles_meet_at_each_edge():
         rng = np.random.default_rng(seed)
         rows = np.array([*itertools.combinations(range(5), 3)])
         some = rows[rng.permutation(len(rows))[: rng.integers(1, 5)]] + 4
-        triangles = rng.permutation(np.concatenate([tetrahedron, some]))
-        half_edges = HalfEdges(triangles, 9)
+        walled = np.array(
+            [[0, 1, 3], [1, 2, 3], [0, 2, 3], [0, 1, 4], [1, 2, 4], [0, 2, 4], [0, 1, 2]]
+        )
+        triangles = rng.permutation(np.concatenate([tetrahedron, some, 9 + walled]))
+        half_edges = HalfEdges(triangles, 14)
         for part, closed in enumerate(half_edges.closed_parts):
             edges = [e for t in triangles[half_edges.parts == part] for e in edges_of(t)]
             counts = {*Counter(edges).values()}
             assert closed == (counts == {2})
             kinds.add((*sorted(counts),))
-    assert {(1,), (2,), (1, 2), (1, 2, 3)} <= kinds
+    assert {(1,), (2,), (2, 3), (1, 2), (1, 2, 3)} <= kinds
 
 
 def test_a_closed_part_without_volume_is_not_inverted():
@@ -694,6 +737,10 @@ def test_a_closed_part_without_volume_is_not_inverted():
             half_edges = HalfEdges(triangles, len(points))
             assert half_edges.closed_parts.all()
             assert not inverted(points, half_edges, np.zeros(24, dtype=bool)).any()
+            box = cube(1)
+            both = together((points, triangles), (4 * box[0] - 1, box[1]))
+            half_edges = HalfEdges(both[1], len(both[0]))
+            assert not inverted(both[0], half_edges, np.zeros(len(both[1]), dtype=bool)).any()
 
 
 def test_a_free_edge_is_split_at_the_vertex_nearest_to_its_middle_first():
@@ -883,3 +930,143 @@ def test_a_fin_has_at_most_the_share_of_the_area():
         left, found = _mending.without_fins(corners, whole, share)
         assert found == fins
         assert len(left) == 5 - fins
+
+
+# --- half-edges and orientation ------------------------------------------------------------------
+
+
+def test_elements_of_each_group_are_paired_in_order():
+    """The last of an odd number is its own partner."""
+    for seed in range(5):
+        groups = np.random.default_rng(seed).integers(0, 6, 25)
+        expected = np.arange(25)
+        for group in range(6):
+            some = np.flatnonzero(groups == group)
+            one, other = some[: len(some) // 2 * 2].reshape(-1, 2).T
+            expected[one], expected[other] = other, one
+        np.testing.assert_array_equal(_half_edges._partners(groups), expected)
+
+
+def test_elements_of_a_cycle_are_ranked_from_its_smallest():
+    """Step by step along permutations with cycles of many lengths."""
+    for seed in range(5):
+        onward = np.random.default_rng(seed).permutation(30)
+        label, rank = _half_edges._cycles(onward)
+        for k in range(30):
+            steps = [k]
+            while onward[steps[-1]] != k:
+                steps.append(int(onward[steps[-1]]))
+            least = steps.index(min(steps))
+            assert (label[k], rank[k]) == (min(steps), -least % len(steps))
+
+
+def test_edges_are_the_different_pairs_of_ends_in_order():
+    """Among them those of one triangle, and those of more than two."""
+    for seed in range(5):
+        rows = np.array([*itertools.combinations(range(7), 3)])
+        rng = np.random.default_rng(seed)
+        triangles = rng.permuted(rng.permutation(rows)[:14], axis=1)
+        half_edges = HalfEdges(triangles, 7)
+        count = Counter(e for t in triangles for e in edges_of(t))
+        assert [*map(tuple, half_edges.edges.tolist())] == sorted(count)
+        crowded = [e for e in sorted(count) if count[e] > 2]
+        assert [*map(tuple, half_edges.nonmanifold_edges.tolist())] == crowded
+        ends = zip(half_edges.start.tolist(), half_edges.end.tolist(), strict=True)
+        single = [k for k, e in enumerate(ends) if count[min(e), max(e)] == 1]
+        assert half_edges.free_sides.tolist() == single
+
+
+def test_a_boundary_may_consist_of_one_side():
+    """Of a triangle that stands in a double pyramid, between two edges of three triangles."""
+    outside = [[0, 1, 3], [1, 2, 3], [2, 0, 3], [1, 0, 4], [2, 1, 4], [0, 2, 4]]
+    half_edges = HalfEdges(np.array([*outside, [3, 4, 0]]), 5)
+    assert [loop.tolist() for loop in half_edges.loop_sides] == [[18]]
+    assert [loop.tolist() for loop in half_edges.boundary_loops] == [[3]]
+
+
+def test_the_minority_of_each_patch_is_reversed_and_in_a_tie_those_unlike_the_first():
+    """Two octahedra with a triangle apart, in any order, with any triangles turned over."""
+    tops = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2]])
+    octahedron = np.concatenate([tops, np.where(tops == 2, 5, tops)[:, ::-1]])
+    triangles = np.concatenate([octahedron, octahedron + 6, [[12, 13, 14]]])
+    part = np.repeat([0, 1, 2], [8, 8, 1])
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        order = rng.permutation(17)
+        turned = rng.random(17) < rng.random()
+        given = np.where(turned[:, None], triangles[order][:, ::-1], triangles[order])
+        expected = turned.copy()
+        for k in range(3):
+            some = part[order] == k
+            half = 2 * turned[some].sum() - some.sum()
+            if half > 0 or (half == 0 and turned[some][0]):
+                expected[some] = ~turned[some]
+        found, one_sided = inconsistently_oriented(HalfEdges(given, 15))
+        np.testing.assert_array_equal(found, expected)
+        assert not one_sided.any()
+
+
+def found_inverted(*bodies):
+    """Whether each body is found to be inside out."""
+    points, triangles = together(*bodies)
+    half_edges = HalfEdges(triangles, len(points))
+    found = inverted(points, half_edges, np.zeros(len(triangles), dtype=bool))
+    first = np.cumsum([0, *(len(t) for _, t in bodies)])
+    assert all(len({*found[i:j]}) == 1 for i, j in itertools.pairwise(first))
+    return found[first[:-1]].tolist()
+
+
+def box(low, high):
+    points, triangles = cube(1)
+    return np.asarray(low) + points * np.subtract(high, low), triangles
+
+
+def test_tiny_bodies_far_from_the_first_vertex_are_oriented():
+    """Each by its own volume, which is a rounding error of volumes from the first vertex."""
+    rng = np.random.default_rng(0)
+    ways = rng.random(12) < 0.5
+    bodies = [box(np.add(low, 2), np.add(low, 2 + 1e-7)) for low in 5 * rng.random((12, 3))]
+    bodies = [turned_over(b) if way else b for b, way in zip(bodies, ways, strict=True)]
+    assert found_inverted(box([0, 0, 0], [1, 1, 1]), *bodies) == [False, *ways]
+
+
+@pytest.mark.parametrize("axes", [*itertools.permutations(range(3))])
+def test_a_cavity_is_a_part_inside_an_odd_number_of_others(axes):
+    """Long boxes one in another; not one that sticks out of another, or that touches its wall."""
+    size = np.array([1.0, 3, 30])[list(axes)]
+    outer = box(-size, size)
+    shells = [box(-size * k, size * k) for k in (1, 0.75, 0.5, 0.25)]
+    beside = box(3 * size, 4 * size)
+    ways = [False, True, False, True]
+    right = [turned_over(s) if w else s for s, w in zip(shells, ways, strict=True)]
+    assert found_inverted(*right, beside) == [False] * 5
+    assert found_inverted(*shells, turned_over(beside)) == [*ways, True]
+    for step in (*np.eye(3), *-np.eye(3)):
+        through = box(-0.1 * size + size * step, 0.1 * size + size * step)
+        assert found_inverted(outer, through) == [False, False]
+        wall = box(-0.1 * size + 0.9 * size * step, 0.1 * size + 0.9 * size * step)
+        assert found_inverted(outer, wall) == [False, False]
+
+
+def test_a_cavity_below_another_part_of_its_body_is_inside_once():
+    """In the tube of an upright ring: a line upward leaves the ring, and crosses it once more."""
+    points, triangles = torus(19, 7)
+    upright = points[:, [1, 2, 0]]
+    cavity = turned_over(box([-0.05, -0.05, -1.05], [0.05, 0.05, -0.95]))
+    hole = box([-0.05, -0.05, -0.05], [0.05, 0.05, 0.05])
+    assert found_inverted((upright, triangles), cavity, hole) == [False, False, False]
+
+
+def test_a_point_is_in_a_body_if_an_odd_number_of_triangles_is_above_it():
+    """Also below edges and vertices, and on a face, which is not above it."""
+    points, triangles = cube(2)
+    grid = np.array([*itertools.product(np.arange(-1, 6) / 4, repeat=3)])
+    level = (grid[:, 2] == 0) | (grid[:, 2] == 1)
+    inside = ((grid > 0) & (grid < 1))[:, :2].all(axis=1) & (grid[:, 2] >= 0) & (grid[:, 2] < 1)
+    walls = np.isin(grid[:, :2], (0, 1)).any(axis=1)
+    for shear in ([[1, 0, 0], [0, 1, 0], [0, 0, 1]], [[3, 1, 0], [-1, 2, 0], [0, 0, 5]]):
+        corners = (points @ shear)[triangles]
+        p = (grid @ shear)[~walls]
+        above = [_orientation._below(p, np.broadcast_to(c, (len(p), 3, 3))) for c in corners]
+        np.testing.assert_array_equal(np.sum(above, axis=0) % 2 == 1, inside[~walls])
+    assert (inside & level).any()
