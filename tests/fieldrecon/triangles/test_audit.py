@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -477,6 +478,25 @@ def test_signs_are_exact_where_all_roundings_go_one_way():
     expected = _predicates._exact_signs((a, b, c))
     assert (naive != expected).any()
     np.testing.assert_array_equal(_predicates.orient2d(a, b, c), expected)
+
+
+def test_signs_in_space_equal_rational_arithmetic():
+    """Of sheared lattice points, many of them nearly in a plane; and of the smallest volume."""
+    shear = np.array([[1, 0.1, 1 / 3], [0.7, 1, np.pi], [1e-9, 0.3, 1]])
+    corners = np.random.default_rng(0).integers(0, 3, (4, 300, 3)) @ shear + 0.1
+    corners[:, 0] = 1 + 2.0**-52 * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    expected = []
+    for a, *others in corners.swapaxes(0, 1).tolist():
+        u, v, w = ([Fraction(x) - Fraction(y) for x, y in zip(p, a, strict=True)] for p in others)
+        terms = (w[i] * (u[i - 2] * v[i - 1] - u[i - 1] * v[i - 2]) for i in range(3))
+        expected.append(int(np.sign(sum(terms))))
+    assert expected[0] == 1
+    assert {*expected} == {-1, 0, 1}
+    for d, sign in ((corners[3], 1), (corners[0], 0)):
+        found = _predicates.orient3d(*corners[:3], d)
+        assert found.tolist() == [sign * s for s in expected]
+    assert _predicates.orient3d(*corners[[1, 0, 2, 3]]).tolist() == [-s for s in expected]
+    assert _predicates._exact_signs((*corners,)).tolist() == expected
 
 
 @pytest.mark.parametrize("flat", [0, 1, 2])

@@ -1007,10 +1007,13 @@ def test_the_minority_of_each_patch_is_reversed_and_in_a_tie_those_unlike_the_fi
 
 
 def found_inverted(*bodies):
-    """Whether each body is found to be inside out."""
+    """Whether each body is found to be inside out, also if some triangles are to be reversed."""
     points, triangles = together(*bodies)
     half_edges = HalfEdges(triangles, len(points))
     found = inverted(points, half_edges, np.zeros(len(triangles), dtype=bool))
+    turned = np.random.default_rng(0).random(len(triangles)) < 0.5
+    some = HalfEdges(np.where(turned[:, None], triangles[:, ::-1], triangles), len(points))
+    np.testing.assert_array_equal(inverted(points, some, turned), found)
     first = np.cumsum([0, *(len(t) for _, t in bodies)])
     assert all(len({*found[i:j]}) == 1 for i, j in itertools.pairwise(first))
     return found[first[:-1]].tolist()
