@@ -388,6 +388,51 @@ def test_separating_planes_keep_every_intersecting_pair():
         np.testing.assert_array_equal(fast.corners_on_edges, every.corners_on_edges)
 
 
+def a_plane_of_the_first_separates(points, one, other):
+    """Through its corners, through an edge along an axis, or across it at a shared corner."""
+    a, b, c = points[list(one)]
+    normal = np.cross(b - a, c - a)
+    free = [k for k in other if k not in one]
+    heights = (points[free] - a) @ normal
+    if (heights > 0).all() or (heights < 0).all():
+        return True
+    axis = int(np.abs(normal).argmax())
+    flat = np.delete(points, axis, axis=1) * ([1, -1] if axis == 1 else [1, 1])
+    for e, f in itertools.pairwise([*one, one[0]]):
+        along = flat[f] - flat[e]
+        away = [flat[k] - flat[e] for k in other if k not in (e, f)]
+        if all(np.sign(normal[axis]) * (along[0] * y - along[1] * x) < 0 for x, y in away):
+            return True
+    if len(free) != 2:
+        return False
+    (tip,) = {*one} & {*other}
+    ours, theirs = (
+        np.array([points[k] - points[tip] for k in t if k != tip]) for t in (one, other)
+    )
+    across = (ours / np.linalg.norm(ours, axis=1)[:, None]).sum(axis=0)
+    return bool((ours @ across > 1e-9).all() and (theirs @ across < -1e-9).all())
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_pairs_are_close_if_no_plane_separates_them(seed):
+    """Triangles of lattice points, with and without common corners; literally."""
+    rng = np.random.default_rng(seed)
+    points = np.unique(rng.integers(-3, 4, (14, 3)), axis=0).astype(float)
+    triangles = rng.permuted(np.tile(np.arange(len(points)), (30, 1)), axis=1)[:, :3]
+    triangles = triangles[np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)[1]]
+    triangles = triangles[[not literal.is_flat(t) for t in points[triangles].tolist()]]
+    low, high = points[triangles].min(axis=1), points[triangles].max(axis=1)
+    expected = [
+        [i, j]
+        for i, j in itertools.combinations(range(len(triangles)), 2)
+        if (low[i] <= high[j]).all()
+        and (low[j] <= high[i]).all()
+        and not a_plane_of_the_first_separates(points, triangles[i].tolist(), triangles[j].tolist())
+        and not a_plane_of_the_first_separates(points, triangles[j].tolist(), triangles[i].tolist())
+    ]
+    assert close_pairs(points, triangles).tolist() == expected
+
+
 def test_separating_planes_remove_most_pairs_of_flat_faces():
     """Edges of flat faces continue through vertices; planes must still separate the triangles.
 

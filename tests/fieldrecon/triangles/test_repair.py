@@ -1033,10 +1033,10 @@ def test_tiny_bodies_far_from_the_first_vertex_are_oriented():
     assert found_inverted(box([0, 0, 0], [1, 1, 1]), *bodies) == [False, *ways]
 
 
-@pytest.mark.parametrize("axes", [*itertools.permutations(range(3))])
+@pytest.mark.parametrize("axes", [[0, 1, 2], [1, 2, 0], [2, 0, 1]])
 def test_a_cavity_is_a_part_inside_an_odd_number_of_others(axes):
     """Long boxes one in another; not one that sticks out of another, or that touches its wall."""
-    size = np.array([1.0, 3, 30])[list(axes)]
+    size = np.array([1.0, 3, 30])[axes]
     outer = box(-size, size)
     shells = [box(-size * k, size * k) for k in (1, 0.75, 0.5, 0.25)]
     beside = box(3 * size, 4 * size)
