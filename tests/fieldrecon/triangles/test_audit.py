@@ -2,6 +2,7 @@
 
 import itertools
 import json
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -387,6 +388,51 @@ def test_separating_planes_keep_every_intersecting_pair():
         np.testing.assert_array_equal(fast.corners_on_edges, every.corners_on_edges)
 
 
+def a_plane_of_the_first_separates(points, one, other):
+    """Through its corners, through an edge along an axis, or across it at a shared corner."""
+    a, b, c = points[list(one)]
+    normal = np.cross(b - a, c - a)
+    free = [k for k in other if k not in one]
+    heights = (points[free] - a) @ normal
+    if (heights > 0).all() or (heights < 0).all():
+        return True
+    axis = int(np.abs(normal).argmax())
+    flat = np.delete(points, axis, axis=1) * ([1, -1] if axis == 1 else [1, 1])
+    for e, f in itertools.pairwise([*one, one[0]]):
+        along = flat[f] - flat[e]
+        away = [flat[k] - flat[e] for k in other if k not in (e, f)]
+        if all(np.sign(normal[axis]) * (along[0] * y - along[1] * x) < 0 for x, y in away):
+            return True
+    if len(free) != 2:
+        return False
+    (tip,) = {*one} & {*other}
+    ours, theirs = (
+        np.array([points[k] - points[tip] for k in t if k != tip]) for t in (one, other)
+    )
+    across = (ours / np.linalg.norm(ours, axis=1)[:, None]).sum(axis=0)
+    return bool((ours @ across > 1e-9).all() and (theirs @ across < -1e-9).all())
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_pairs_are_close_if_no_plane_separates_them(seed):
+    """Triangles of lattice points, with and without common corners; literally."""
+    rng = np.random.default_rng(seed)
+    points = np.unique(rng.integers(-3, 4, (14, 3)), axis=0).astype(float)
+    triangles = rng.permuted(np.tile(np.arange(len(points)), (30, 1)), axis=1)[:, :3]
+    triangles = triangles[np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)[1]]
+    triangles = triangles[[not literal.is_flat(t) for t in points[triangles].tolist()]]
+    low, high = points[triangles].min(axis=1), points[triangles].max(axis=1)
+    expected = [
+        [i, j]
+        for i, j in itertools.combinations(range(len(triangles)), 2)
+        if (low[i] <= high[j]).all()
+        and (low[j] <= high[i]).all()
+        and not a_plane_of_the_first_separates(points, triangles[i].tolist(), triangles[j].tolist())
+        and not a_plane_of_the_first_separates(points, triangles[j].tolist(), triangles[i].tolist())
+    ]
+    assert close_pairs(points, triangles).tolist() == expected
+
+
 def test_separating_planes_remove_most_pairs_of_flat_faces():
     """Edges of flat faces continue through vertices; planes must still separate the triangles.
 
@@ -466,13 +512,51 @@ def test_orientation_signs_are_exact():
     np.testing.assert_array_equal(_predicates.orient2d(a, b, c), expected)
 
 
+def test_signs_are_exact_where_all_roundings_go_one_way():
+    """The error is larger than a rounding of the sum of the terms; its bound is two of them."""
+    rng, half = np.random.default_rng(0), 2.0**-53
+    x, y, z = 1 + rng.integers(2**49, 2**50, (3, 4000)) * 2.0**-52
+    w = (x * y - 6 * half) / z
+    a = np.full((4000, 2), half * (1 - 1e-6))
+    b, c = np.column_stack([x, -z]), np.column_stack([-w, y])
+    naive = np.sign((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    expected = _predicates._exact_signs((a, b, c))
+    assert (naive != expected).any()
+    np.testing.assert_array_equal(_predicates.orient2d(a, b, c), expected)
+
+
+def test_signs_in_space_equal_rational_arithmetic():
+    """Of sheared lattice points, many of them nearly in a plane; and of the smallest volume."""
+    shear = np.array([[1, 0.1, 1 / 3], [0.7, 1, np.pi], [1e-9, 0.3, 1]])
+    corners = np.random.default_rng(0).integers(0, 3, (4, 300, 3)) @ shear + 0.1
+    corners[:, 0] = 1 + 2.0**-52 * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    expected = []
+    for a, *others in corners.swapaxes(0, 1).tolist():
+        u, v, w = ([Fraction(x) - Fraction(y) for x, y in zip(p, a, strict=True)] for p in others)
+        terms = (w[i] * (u[i - 2] * v[i - 1] - u[i - 1] * v[i - 2]) for i in range(3))
+        expected.append(int(np.sign(sum(terms))))
+    assert expected[0] == 1
+    assert {*expected} == {-1, 0, 1}
+    for d, sign in ((corners[3], 1), (corners[0], 0)):
+        found = _predicates.orient3d(*corners[:3], d)
+        assert found.tolist() == [sign * s for s in expected]
+    assert _predicates.orient3d(*corners[[1, 0, 2, 3]]).tolist() == [-s for s in expected]
+    assert _predicates._exact_signs((*corners,)).tolist() == expected
+
+
 @pytest.mark.parametrize("flat", [0, 1, 2])
 def test_points_are_collinear_if_all_three_projections_are(flat):
-    """In a plane of coordinates only one projection is not a line, and that by the last bit."""
+    """In a plane of coordinates only one projection is not a line, and that by the last bit.
+
+    A tolerance of this bit makes it one.
+    """
     ends = np.array([[0.0, 0.0], [24.0, 24.0], [0.5, 0.5 + 2.0**-53]])
-    a, b, c = np.insert(ends, flat, 0.0, axis=1)[:, None, :]
-    assert not _predicates.collinear(a, b, c).any()
-    assert _predicates.collinear(a, b, (a + b) / 4).all()
+    on_line = np.minimum(ends, ends[:, :1])
+    for order in map(list, itertools.permutations(range(3))):
+        bent, straight = (np.insert(p[order], flat, 0.0, axis=1)[:, None] for p in (ends, on_line))
+        assert not _predicates.collinear(*bent).any()
+        assert _predicates.collinear(*bent, tolerance=2.0**-53).all()
+        assert _predicates.collinear(*straight).all()
 
 
 @pytest.mark.slow
@@ -545,6 +629,8 @@ def test_the_default_tolerance_is_four_roundings_of_the_largest_coordinate(dtype
     points = np.array([[0, 0, 1], [1, 0, 2], [0, largest, 0]]).astype(dtype)
     eps = np.finfo(np.float32 if dtype == np.float32 else float).eps
     assert audit_mesh(points, [[0, 1, 2]]).tolerance == 4 * eps * abs(largest)
+    if np.dtype(dtype).kind == "f":
+        assert audit_mesh(points / 16, [[0, 1, 2]]).tolerance == eps * abs(largest) / 4
 
 
 @pytest.mark.parametrize("largest", [1.0, 1.5, 2.0, 0.7, 1e300, 1e-300])
@@ -562,7 +648,8 @@ def test_coordinates_count_as_zero_if_the_largest_is_1e61_times_larger():
     points, triangles = cube(1)
     seam = triangles.copy()
     seam[0, 0] = len(points)  # a vertex of its own, at the corner of this triangle
-    for tiny, found in ((1e-58, 0), (1e-62, 1), (1e-300, 1)):
+    limit = 2.0**-200
+    for tiny, found in ((1.1 * limit, 0), (limit, 1), (0.9 * limit, 1), (1e-300, 1)):
         moved = np.vstack([points, points[triangles[0, 0]] + 0.0])
         moved[-1][moved[-1] == 0] = tiny
         assert (moved[-1] == tiny).any()
@@ -597,6 +684,39 @@ def test_any_tolerance_is_a_length_and_zero_distinguishes_all_points(tolerance):
     assert duplicates.merged_vertices(near[[0, 1, 0, 1]], 0.0).tolist() == [0, 1, 0, 1]
 
 
+def test_points_as_far_apart_as_the_tolerance_are_merged():
+    """Exactly so far; and also by far less than the roundings of the other coordinates."""
+    points = np.array([[0.0, 0, 0], [3, 4, 0], [8, 4, 0], [14, 4, 0]])
+    for way in (duplicates._near_pairs, duplicates._near_pairs_by_tree):
+        assert sorted(np.sort(way(points, 5.0), axis=1).tolist()) == [[0, 1], [1, 2]]
+    for unit in (2.0**-10, 1.0, 2.0**10):
+        some = np.random.default_rng(1).random((200, 3)) * [1e-16, 1, 1]
+        close = unit * np.vstack([some, np.add(some, [2.0**-56, 0, 0])])
+        found = duplicates.merged_vertices(close, unit * 2.0**-56 * (1 + 1e-9))
+        np.testing.assert_array_equal(found, np.tile(np.arange(200), 2))
+
+
+def test_equal_triangles_are_those_of_the_same_three_vertices():
+    """All triples, each in every order, on few vertices and on millions."""
+    triples = np.array([*itertools.permutations(range(7), 3)])
+    triples = np.random.default_rng(0).permutation(triples)
+    sets = [{*t} for t in triples.tolist()]
+    expected = [sets.index(t) for t in sets]
+    for n in (7, 2**22):
+        np.testing.assert_array_equal(duplicates.first_duplicates(triples, n), expected)
+
+
+def test_coincident_edges_are_paired_in_order():
+    """With their coincident ends in the same order; ends of edges without length keep theirs."""
+    rng = np.random.default_rng(0)
+    for merged in (np.array([0, 1, 1, 3, 0, 3, 1, 0, 8]), np.zeros(9, dtype=int)):
+        edges = rng.permutation([*itertools.permutations(range(9), 2)])[:40]
+        ordered = [e if merged[e[0]] <= merged[e[1]] else e[::-1] for e in edges.tolist()]
+        rows = sorted((*merged[e], *e) for e in ordered)
+        expected = [[*e[2:], *f[2:]] for e, f in itertools.pairwise(rows) if e[:2] == f[:2]]
+        assert duplicates._edge_pairs(edges, merged).tolist() == expected
+
+
 # --- output and refusals --------------------------------------------------------------------------
 
 
@@ -629,6 +749,22 @@ def test_the_hierarchy_finds_the_boxes_that_overlap_and_no_others():
     meet = ((low[:, None] <= high) & (low <= high[:, None])).all(axis=2)
     expected = {(i, j) for i, j in np.argwhere(meet).tolist() if i < j}
     assert sorted(map(tuple, np.sort(found, axis=1).tolist())) == sorted(expected)
+
+
+@pytest.mark.parametrize(("one", "other"), [(60, 25), (25, 60), (1, 33), (33, 1)])
+def test_two_hierarchies_of_any_depth_give_the_boxes_that_overlap(one, other):
+    """Those of the second tree are a lattice, too, near the first or far from it."""
+    rng = np.random.default_rng(4)
+    for far in (0.0, 4.0, 50.0):
+        low = [rng.integers(0, 9, (k, 3)) + shift for k, shift in ((one, 0.0), (other, far))]
+        high = [corner + rng.integers(0, 4, corner.shape) for corner in low]
+        trees = [bounding_volumes.BVH(*box, np.zeros(3)) for box in zip(low, high, strict=True)]
+        i, j = bounding_volumes.intersecting_pairs(
+            trees[0], lambda *ij: np.column_stack(ij), trees[1]
+        ).T
+        found = zip(trees[0].order[i].tolist(), trees[1].order[j].tolist(), strict=True)
+        meet = (low[0][:, None] <= high[1]) & (low[1] <= high[0][:, None])
+        assert sorted(found) == sorted(map(tuple, np.argwhere(meet.all(axis=2)).tolist()))
 
 
 def test_progress_is_reported():
@@ -669,6 +805,34 @@ def test_coincident_points_give_degenerate_triangles():
     """Triangles without area are reported as degenerate only."""
     audit = audit_mesh(np.zeros((6, 3)), [[0, 1, 2], [3, 4, 5]])
     assert audit.degenerate_triangles.tolist() == [0, 1]
+    assert audit.crossings.shape == audit.overlaps.shape == (0, 2)
+    assert audit.t_junctions.shape == (0, 3)
+
+
+def test_parts_are_counted_of_a_mesh_of_nothing_too():
+    """There need be no triangles, and no points."""
+    nothing = np.empty((0, 3), dtype=int)
+    for surface, parts in (
+        (CLEAN["sphere"], 1),
+        (CLEAN["two bodies"], 2),
+        ((nothing * 0.5, nothing), 0),
+    ):
+        audit = audit_mesh(*surface)
+        assert audit.clean
+        assert audit.parts == parts
+
+
+def test_triangles_of_a_soup_have_vertices_of_their_own_of_which_some_coincide():
+    """One triangle alone is no soup, nor are two with a common edge and a third beside them."""
+    points = np.array(
+        [[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 1, 0], [0, 2, 0], [-1, 1, 1]]
+    )
+    for triangles, is_soup in (
+        ([[0, 1, 2]], False),
+        ([[0, 1, 2], [1, 3, 2], [4, 5, 6]], False),
+        ([[0, 1, 2], [4, 5, 6]], True),
+    ):
+        assert audit_mesh(points, triangles).soup == is_soup
 
 
 def test_morton_codes_interleave_the_bits():

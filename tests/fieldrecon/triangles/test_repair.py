@@ -11,13 +11,22 @@ from hypothesis import strategies as st
 
 from fieldrecon._core.geometry import triangle_normals
 from fieldrecon.io.meshes import read_triangles, write_triangles
+from fieldrecon.triangles import half_edges as _half_edges
+from fieldrecon.triangles import orientation as _orientation
 from fieldrecon.triangles import repair as _mending
 from fieldrecon.triangles.audit import audit_mesh
 from fieldrecon.triangles.distances import distances_to_triangles
 from fieldrecon.triangles.duplicates import first_duplicates
 from fieldrecon.triangles.half_edges import HalfEdges
-from fieldrecon.triangles.holes import MAX_LOOP, _cycles, _keys, minimum_area_patches
-from fieldrecon.triangles.orientation import inverted
+from fieldrecon.triangles.holes import (
+    MAX_LOOP,
+    _cycles,
+    _has_known_diagonals,
+    _keys,
+    hole_patches,
+    minimum_area_patches,
+)
+from fieldrecon.triangles.orientation import inconsistently_oriented, inverted
 from fieldrecon.triangles.repair import erroneous, repair_mesh, without_flat
 from fieldreport.experiments.triangles.planted_errors import damaged, planted_errors
 from fieldreport.experiments.triangles.triangle_shapes import (
@@ -519,6 +528,29 @@ def test_distances_to_single_and_collapsed_triangles():
     np.testing.assert_allclose(distances_to_triangles(above, [a, b, c], [[0, 1, 2]]), 0.7)
 
 
+def test_distances_to_triangles_are_lengths():
+    """Multiplied by a factor if everything is, however small or large."""
+    rng = np.random.default_rng(3)
+    x, corners = rng.normal(size=(60, 3)), rng.normal(size=(3, 3))
+    shares = np.array([s for s in itertools.product(range(41), repeat=3) if sum(s) == 40]) / 40
+    on_it = shares @ corners
+    near = np.linalg.norm(x[:, None] - on_it, axis=2).min(axis=1)
+    for unit in (1e-3, 1.0, 1e3):
+        found = distances_to_triangles(unit * x, unit * corners, [[0, 1, 2]]) / unit
+        assert (found <= near + 1e-9).all()
+        assert (found > near - 0.1).all()
+        np.testing.assert_allclose(found, distances_to_triangles(x, corners, [[0, 1, 2]]))
+
+
+def test_the_triangle_of_the_nearest_vertex_is_found():
+    """Its other vertices are farther away than those of other triangles."""
+    spike = [[0.0, 0, 0], [99, 1, 0], [99, -1, 0]]
+    others = [[0, 5 + k, j] for k in range(3) for j in (0, 1, 2)]
+    triangles = np.arange(12).reshape(4, 3)
+    found = distances_to_triangles([[-1.0, 0, 0]], spike + others, triangles)
+    assert found == pytest.approx(1)
+
+
 def edges_of(triangle):
     return [tuple(sorted(map(int, pair))) for pair in itertools.combinations(triangle, 2)]
 
@@ -579,6 +611,117 @@ def test_a_long_path_around_a_hole_does_not_hide_a_short_one():
     assert list(_cycles(SimpleNamespace(start=starts, end=ends), paths)) == [(0, 2)]
 
 
+def test_all_short_simple_cycles_of_paths_are_found_once():
+    """Of paths of one to three sides between few joints; each cycle from its first path."""
+    for seed in range(20):
+        starts, ends = np.random.default_rng(seed).integers(0, 3, (2, 5))
+        joined = [
+            cycle
+            for k in range(1, 4)
+            for cycle in itertools.permutations(range(5), k)
+            if cycle[0] == min(cycle)
+            and len({*starts[[*cycle]]}) == k
+            and (ends[[*cycle]] == np.roll(starts[[*cycle]], -1)).all()
+        ]
+        paths = [np.arange(3 * k, 3 * k + 1 + k % 3) for k in range(5)]
+        sides = SimpleNamespace(start=np.full(15, 99), end=np.full(15, 99))
+        sides.start[[path[0] for path in paths]] = starts
+        sides.end[[path[-1] for path in paths]] = ends
+        found = [*_cycles(sides, paths)]
+        assert sorted(found) == sorted(joined)
+
+
+@pytest.mark.parametrize("corners", [4, 5, 7])
+def test_a_patch_has_a_known_diagonal_if_an_edge_of_two_of_its_triangles_exists(corners):
+    """Each of the other edges may be known: of the boundary, or of none of its triangles."""
+    points = np.random.default_rng(corners).normal(size=(2, corners, 3))
+    order = minimum_area_patches(points)[0]
+    numbers = np.random.default_rng(0).permutation(corners + 3)[:corners]
+    for known in map(list, itertools.combinations(range(corners + 3), 2)):
+        found = _has_known_diagonals(
+            order, numbers[order], _keys(np.array([known]), corners + 3), corners + 3
+        )
+        count = [Counter(e for t in numbers[patch] for e in edges_of(t)) for patch in order]
+        assert found.tolist() == [c[(*known,)] == 2 for c in count]
+
+
+def cone(corners, height, left):
+    """Triangles from a regular polygon of radius 1 to a tip, and their area over the polygon's."""
+    angle = 2 * np.pi * np.arange(corners) / corners
+    rim = np.column_stack([np.cos(angle) + left, np.sin(angle), 0 * angle])
+    around = np.arange(corners)
+    tip = np.full(corners, corners)
+    apothem = np.cos(np.pi / corners)
+    return (
+        np.vstack([rim, [left, 0, height]]),
+        np.column_stack([around, np.roll(around, -1), tip]),
+        np.hypot(height, apothem) / apothem,
+    )
+
+
+def test_a_hole_is_filled_up_to_its_share_of_the_area_of_its_part():
+    """The holes below cones of different heights; short ones first, then by their first sides."""
+    cones = [cone(k, h, 4 * i) for i, (k, h) in enumerate([(3, 1), (5, 9), (4, 3), (5, 2), (6, 5)])]
+    points, triangles = together(*(surface[:2] for surface in cones))
+    triangles = triangles[np.random.default_rng(0).permutation(len(triangles))]
+    rims = [
+        {*range(n - len(p), n - 1)}
+        for (p, _, _), n in zip(
+            cones, np.cumsum([len(p) for p, _, _ in cones]).tolist(), strict=True
+        )
+    ]
+    sides = [side for t in triangles.tolist() for side in zip(t, t[1:] + t[:1], strict=True)]
+    for _, _, ratio in cones:
+        for largest in ((1 + 1e-9) / ratio, (1 - 1e-9) / ratio):
+            filling, hole = hole_patches(points, triangles, largest)
+            expected = [rim for rim, c in zip(rims, cones, strict=True) if largest * c[2] >= 1]
+            expected.sort(
+                key=lambda rim: (len(rim), [{*side} <= rim for side in sides].index(True))
+            )
+            filled = [{*filling[hole == k].ravel().tolist()} for k in range(len(expected))]
+            assert filled == expected
+            whole = np.concatenate([triangles, filling])
+            half_edges = HalfEdges(whole, len(points))
+            assert len(half_edges.boundary_loops) == len(cones) - len(expected)
+            assert not inconsistently_oriented(half_edges)[0].any()
+            assert hole.max(initial=-1) == len(expected) - 1
+
+
+def test_a_hole_of_exactly_the_share_of_the_area_is_filled():
+    """In a plane: three triangles around a point inside a triangle."""
+    points = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 0]])
+    around = np.array([[0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    assert len(hole_patches(points, around, 1.0)[0]) == 1
+
+
+def test_a_boundary_of_32_edges_is_filled_and_one_of_33_is_not():
+    """As the documentation of the repair says."""
+    for corners, new in ((32, 30), (33, 0)):
+        points, triangles, _ = cone(corners, 5.0, 0.0)
+        assert len(hole_patches(points, triangles, 1.0)[0]) == new
+
+
+def test_parts_are_closed_if_two_triangles_meet_at_each_edge():
+    """Random triangles, counted edge by edge in each part."""
+    kinds = set()
+    tetrahedron = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        rows = np.array([*itertools.combinations(range(5), 3)])
+        some = rows[rng.permutation(len(rows))[: rng.integers(1, 5)]] + 4
+        walled = np.array(
+            [[0, 1, 3], [1, 2, 3], [0, 2, 3], [0, 1, 4], [1, 2, 4], [0, 2, 4], [0, 1, 2]]
+        )
+        triangles = rng.permutation(np.concatenate([tetrahedron, some, 9 + walled]))
+        half_edges = HalfEdges(triangles, 14)
+        for part, closed in enumerate(half_edges.closed_parts):
+            edges = [e for t in triangles[half_edges.parts == part] for e in edges_of(t)]
+            counts = {*Counter(edges).values()}
+            assert closed == (counts == {2})
+            kinds.add((*sorted(counts),))
+    assert {(1,), (2,), (2, 3), (1, 2), (1, 2, 3)} <= kinds
+
+
 def test_a_closed_part_without_volume_is_not_inverted():
     """A fan of triangles, and the same fan below it: the sum of volumes is a rounding error."""
     rng, next_one = np.random.default_rng(1), np.roll(np.arange(12), -1)
@@ -594,6 +737,10 @@ def test_a_closed_part_without_volume_is_not_inverted():
             half_edges = HalfEdges(triangles, len(points))
             assert half_edges.closed_parts.all()
             assert not inverted(points, half_edges, np.zeros(24, dtype=bool)).any()
+            box = cube(1)
+            both = together((points, triangles), (4 * box[0] - 1, box[1]))
+            half_edges = HalfEdges(both[1], len(both[0]))
+            assert not inverted(both[0], half_edges, np.zeros(len(both[1]), dtype=bool)).any()
 
 
 def test_a_free_edge_is_split_at_the_vertex_nearest_to_its_middle_first():
@@ -606,8 +753,8 @@ def test_a_free_edge_is_split_at_the_vertex_nearest_to_its_middle_first():
     beside = np.array([[3.0, -9, 0], [5, -9, 0], [-9, 5, 1], [-9, 4, 1]])
     points = np.vstack([corners, on_sides, beside])
     fans = [[3, 6, 4], [4, 6, 7], [5, 8, 9]]
-    for turn in range(3):
-        triangles = np.array([np.roll([0, 1, 2], turn).tolist(), *fans])
+    for order in ([0, 1, 2], [2, 0, 1], [0, 2, 1]):
+        triangles = np.array([order, *fans])
         side, vertex = _mending._inside_free_edges(points, triangles, 0.0)
         assert side // 3 == [0]
         assert vertex == [4]
@@ -628,3 +775,301 @@ def test_an_edge_of_two_triangles_is_not_split_at_a_vertex_of_a_boundary():
     ):
         triangles = np.array([first, *second])
         assert np.array_equal(_mending.split_free_edges(points, triangles, 0.0), triangles)
+
+
+def test_a_free_edge_is_not_split_at_a_vertex_without_a_boundary():
+    """The hub of a wheel touches the middle of an edge of another triangle."""
+    angle = np.arange(6) * np.pi / 3
+    rim = np.column_stack([0 * angle, np.cos(angle), np.sin(angle)])
+    triangle = np.array([[-1.0, 0, 0], [1, 0, 0], [-1, -2, 2]])
+    points = np.vstack([rim, [[0, 0, 0]], triangle])
+    wheel = np.column_stack([np.arange(6), (np.arange(6) + 1) % 6, np.full(6, 6)])
+    triangles = np.vstack([wheel, [[7, 8, 9]]])
+    assert (audit_mesh(points, triangles).t_junctions == [6, 7, 8]).any()
+    np.testing.assert_array_equal(_mending.split_free_edges(points, triangles, 0.0), triangles)
+    cut = np.vstack([wheel[1:], [[7, 8, 9]]])
+    assert len(_mending.split_free_edges(points, cut, 0.0)) == len(cut) + 1
+
+
+def star(rng, rays):
+    """Triangles with a common corner, numbered at random; and for each ray from it a vertex on it.
+
+    Each of these vertices has a triangle of its own, beside the star.
+    """
+    ends = np.arange(2 * rays)[:, None] * np.array([0.0, 8, 0]) + [64, 0, 0]
+    on_rays = ends * rng.integers(1, 8, (2 * rays, 1)) / 8
+    above, beside = np.add(on_rays, [0, 0, 1]), np.add(on_rays, [0, 1, 2])
+    points = np.vstack([np.zeros((1, 3)), ends, on_rays, above, beside])
+    n = 2 * rays
+    faces = np.column_stack([np.zeros(rays, int), 1 + np.arange(0, n, 2), 2 + np.arange(0, n, 2)])
+    fins = 1 + n + np.arange(n)[:, None] + [0, n, 2 * n]
+    number = rng.permutation(len(points))
+    renumbered = np.empty_like(points)
+    renumbered[number] = points
+    return renumbered, rng.permuted(number[np.vstack([faces, fins])], axis=1), number
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_of_each_triangle_the_free_edge_with_a_vertex_nearest_to_its_middle_is_split(seed):
+    """One edge of each triangle at a time, and in the end all of them; literally."""
+    rays = 5
+    points, triangles, number = star(np.random.default_rng(seed), rays)
+    middle, ends = number[0], number[1 : 1 + 2 * rays]
+    on_ray = number[1 + 2 * rays : 1 + 4 * rays]
+    off = np.abs(2 * points[on_ray] - points[ends] - points[middle]).max(axis=1)
+    side, vertex = _mending._inside_free_edges(points, triangles, 0.0)
+    assert (side // 3).tolist() == [*range(rays)]
+    for t, k, v in zip(side // 3, side % 3, vertex, strict=True):
+        nearest = 2 * t + off[2 * t : 2 * t + 2].argmin()
+        assert v == on_ray[nearest] or off[2 * t] == off[2 * t + 1]
+        assert {triangles[t, k], triangles[t, (k + 1) % 3]} == {
+            middle,
+            ends[on_ray.tolist().index(v)],
+        }
+    whole = _mending.split_free_edges(points, triangles, 0.0)
+    assert len(whole) == len(triangles) + 2 * rays
+    assert len(_mending._inside_free_edges(points, whole, 0.0)[0]) == 0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_each_fan_but_the_first_gets_a_vertex_of_its_own(seed):
+    """In the order of the vertices and of the first corners of their fans."""
+    rng = np.random.default_rng(seed)
+    points, triangles = rng.normal(size=(9, 3)), rng.integers(0, 9, (12, 3))
+    triangles = triangles[[len({*t}) == 3 for t in triangles.tolist()]]
+    triangles = triangles[np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)[1]]
+    fans = HalfEdges(triangles, 9).fans
+    first = {fan: int(np.argmax(fans == fan)) for fan in fans.tolist()}
+    by_vertex = sorted((int(triangles.ravel()[corner]), corner) for corner in first.values())
+    new, n = {}, 9
+    for k, (vertex, corner) in enumerate(by_vertex):
+        again = k > 0 and by_vertex[k - 1][0] == vertex
+        new[corner], n = (n, n + 1) if again else (vertex, n)
+    expected = [new[first[fan]] for fan in fans.tolist()]
+    assert n > 11
+    more, split = _mending.split_bow_ties(points, triangles)
+    assert split.ravel().tolist() == expected
+    np.testing.assert_array_equal(more[split], points[triangles])
+    assert len(HalfEdges(split, n).bow_ties) == 0
+
+
+def test_vertices_are_not_merged_if_an_edge_of_three_triangles_would_form():
+    """Where one was before, others are; and so are those at edges of two triangles."""
+    three = [[0, 1, 2], [1, 0, 3], [4, 5, 6]]  # with 4 at 0 and 5 at 1
+    seam = [[7, 9, 10], [8, 11, 9]]  # with 8 at 7
+    before = [[13, 15, 14], [14, 13, 16], [13, 14, 17], [12, 17, 18]]  # with 14 at 12
+    pairs = np.array([[4, 0], [5, 1], [8, 7], [14, 12]])
+    audit = SimpleNamespace(
+        soup=False, duplicate_vertices=pairs, nonmanifold_edges=np.array([[13, 14]])
+    )
+    merged = _mending.merge_targets(
+        np.array([*three, *seam, *before]), audit, np.zeros((19, 3)), 0.0
+    )
+    expected = np.arange(19)
+    expected[[8, 14]] = 7, 12
+    np.testing.assert_array_equal(merged, expected)
+
+
+def test_a_body_is_turned_outward_when_its_hole_is_filled():
+    """Before, its triangles are the boundary of no body."""
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    inward = np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2]])
+    before = audit_mesh(corners, inward)
+    for stages in (4, 5):
+        given = _mending._Damaged(corners, inward, before, 0.0, 1.0, None)
+        repaired = given.repaired(stages, spare=True)
+        assert repaired.after.clean
+        assert repaired.done == {
+            "reoriented_triangles": 3,
+            "filled_holes": 1,
+            "filling_triangles": 1,
+        }
+
+
+def test_a_repair_tries_fewer_and_fewer_stages(monkeypatch):
+    """First without and then with the flat triangles at edges of three; at last it does nothing."""
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 2, 2]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2], [0, 1, 4], [0, 1, 1]])
+    tried, repaired = [], _mending._Damaged.repaired
+
+    def noted(self, stages, spare):
+        result = repaired(self, stages, spare)
+        tried.append((stages, spare, result.done.get("removed_fins", 0)))
+        return result
+
+    monkeypatch.setattr(_mending._Damaged, "repaired", noted)
+    monkeypatch.setattr(_mending, "added_kinds", lambda *_: {"crossings"})
+    left = repair_mesh(corners, faces, largest_hole=1.0)
+    assert tried == [(5, False, 1), *((k, True, 0) for k in (5, 4, 3, 2, 1))]
+    assert left.done == {}
+    assert left.after is left.before
+    np.testing.assert_array_equal(left.points, corners)
+    np.testing.assert_array_equal(left.triangles, faces)
+
+
+def test_one_triangle_is_left_or_none_was_there():
+    """Neither is refused: only degenerate triangles are."""
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [5, 5, 5]])
+    one = repair_mesh(corners, [[0, 1, 2], [1, 2, 2]])
+    assert one.done == {"removed_triangles": 1, "removed_vertices": 1}
+    assert one.triangles.tolist() == [[0, 1, 2]]
+    none = repair_mesh(corners, np.empty((0, 3), dtype=int))
+    assert none.done == {"removed_vertices": 4}
+    assert none.after.clean
+
+
+def test_a_fin_has_at_most_the_share_of_the_area():
+    """Exactly that share is allowed: a triangle at an edge of two others, all of the same area."""
+    corners = np.array([[0.0, 0, 0], [0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, 0, 0]])
+    pages = np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4]])
+    spine = np.array([[2, 3, 0], [3, 2, 1]])
+    for largest, fins in ((0.2, 1), (0.19, 0)):
+        whole = np.vstack([pages, spine])
+        areas = np.linalg.norm(triangle_normals(*corners[whole.T]), axis=1)
+        share = largest * 5 * areas[2] / areas.sum()
+        left, found = _mending.without_fins(corners, whole, share)
+        assert found == fins
+        assert len(left) == 5 - fins
+
+
+# --- half-edges and orientation ------------------------------------------------------------------
+
+
+def test_elements_of_each_group_are_paired_in_order():
+    """The last of an odd number is its own partner."""
+    for seed in range(5):
+        groups = np.random.default_rng(seed).integers(0, 6, 25)
+        expected = np.arange(25)
+        for group in range(6):
+            some = np.flatnonzero(groups == group)
+            one, other = some[: len(some) // 2 * 2].reshape(-1, 2).T
+            expected[one], expected[other] = other, one
+        np.testing.assert_array_equal(_half_edges._partners(groups), expected)
+
+
+def test_elements_of_a_cycle_are_ranked_from_its_smallest():
+    """Step by step along permutations with cycles of many lengths."""
+    for seed in range(5):
+        onward = np.random.default_rng(seed).permutation(30)
+        label, rank = _half_edges._cycles(onward)
+        for k in range(30):
+            steps = [k]
+            while onward[steps[-1]] != k:
+                steps.append(int(onward[steps[-1]]))
+            least = steps.index(min(steps))
+            assert (label[k], rank[k]) == (min(steps), -least % len(steps))
+
+
+def test_edges_are_the_different_pairs_of_ends_in_order():
+    """Among them those of one triangle, and those of more than two."""
+    for seed in range(5):
+        rows = np.array([*itertools.combinations(range(7), 3)])
+        rng = np.random.default_rng(seed)
+        triangles = rng.permuted(rng.permutation(rows)[:14], axis=1)
+        half_edges = HalfEdges(triangles, 7)
+        count = Counter(e for t in triangles for e in edges_of(t))
+        assert [*map(tuple, half_edges.edges.tolist())] == sorted(count)
+        crowded = [e for e in sorted(count) if count[e] > 2]
+        assert [*map(tuple, half_edges.nonmanifold_edges.tolist())] == crowded
+        ends = zip(half_edges.start.tolist(), half_edges.end.tolist(), strict=True)
+        single = [k for k, e in enumerate(ends) if count[min(e), max(e)] == 1]
+        assert half_edges.free_sides.tolist() == single
+
+
+def test_a_boundary_may_consist_of_one_side():
+    """Of a triangle that stands in a double pyramid, between two edges of three triangles."""
+    outside = [[0, 1, 3], [1, 2, 3], [2, 0, 3], [1, 0, 4], [2, 1, 4], [0, 2, 4]]
+    half_edges = HalfEdges(np.array([*outside, [3, 4, 0]]), 5)
+    assert [loop.tolist() for loop in half_edges.loop_sides] == [[18]]
+    assert [loop.tolist() for loop in half_edges.boundary_loops] == [[3]]
+
+
+def test_the_minority_of_each_patch_is_reversed_and_in_a_tie_those_unlike_the_first():
+    """Two octahedra with a triangle apart, in any order, with any triangles turned over."""
+    tops = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2]])
+    octahedron = np.concatenate([tops, np.where(tops == 2, 5, tops)[:, ::-1]])
+    triangles = np.concatenate([octahedron, octahedron + 6, [[12, 13, 14]]])
+    part = np.repeat([0, 1, 2], [8, 8, 1])
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        order = rng.permutation(17)
+        turned = rng.random(17) < rng.random()
+        given = np.where(turned[:, None], triangles[order][:, ::-1], triangles[order])
+        expected = turned.copy()
+        for k in range(3):
+            some = part[order] == k
+            half = 2 * turned[some].sum() - some.sum()
+            if half > 0 or (half == 0 and turned[some][0]):
+                expected[some] = ~turned[some]
+        found, one_sided = inconsistently_oriented(HalfEdges(given, 15))
+        np.testing.assert_array_equal(found, expected)
+        assert not one_sided.any()
+
+
+def found_inverted(*bodies):
+    """Whether each body is found to be inside out, also if some triangles are to be reversed."""
+    points, triangles = together(*bodies)
+    half_edges = HalfEdges(triangles, len(points))
+    found = inverted(points, half_edges, np.zeros(len(triangles), dtype=bool))
+    turned = np.random.default_rng(0).random(len(triangles)) < 0.5
+    some = HalfEdges(np.where(turned[:, None], triangles[:, ::-1], triangles), len(points))
+    np.testing.assert_array_equal(inverted(points, some, turned), found)
+    first = np.cumsum([0, *(len(t) for _, t in bodies)])
+    assert all(len({*found[i:j]}) == 1 for i, j in itertools.pairwise(first))
+    return found[first[:-1]].tolist()
+
+
+def box(low, high):
+    points, triangles = cube(1)
+    return np.asarray(low) + points * np.subtract(high, low), triangles
+
+
+def test_tiny_bodies_far_from_the_first_vertex_are_oriented():
+    """Each by its own volume, which is a rounding error of volumes from the first vertex."""
+    rng = np.random.default_rng(0)
+    ways = rng.random(12) < 0.5
+    bodies = [box(np.add(low, 2), np.add(low, 2 + 1e-7)) for low in 5 * rng.random((12, 3))]
+    bodies = [turned_over(b) if way else b for b, way in zip(bodies, ways, strict=True)]
+    assert found_inverted(box([0, 0, 0], [1, 1, 1]), *bodies) == [False, *ways]
+
+
+@pytest.mark.parametrize("axes", [[0, 1, 2], [1, 2, 0], [2, 0, 1]])
+def test_a_cavity_is_a_part_inside_an_odd_number_of_others(axes):
+    """Long boxes one in another; not one that sticks out of another, or that touches its wall."""
+    size = np.array([1.0, 3, 30])[axes]
+    outer = box(-size, size)
+    shells = [box(-size * k, size * k) for k in (1, 0.75, 0.5, 0.25)]
+    beside = box(3 * size, 4 * size)
+    ways = [False, True, False, True]
+    right = [turned_over(s) if w else s for s, w in zip(shells, ways, strict=True)]
+    assert found_inverted(*right, beside) == [False] * 5
+    assert found_inverted(*shells, turned_over(beside)) == [*ways, True]
+    for step in (*np.eye(3), *-np.eye(3)):
+        through = box(-0.1 * size + size * step, 0.1 * size + size * step)
+        assert found_inverted(outer, through) == [False, False]
+        wall = box(-0.1 * size + 0.9 * size * step, 0.1 * size + 0.9 * size * step)
+        assert found_inverted(outer, wall) == [False, False]
+
+
+def test_a_cavity_below_another_part_of_its_body_is_inside_once():
+    """In the tube of an upright ring: a line upward leaves the ring, and crosses it once more."""
+    points, triangles = torus(19, 7)
+    upright = points[:, [1, 2, 0]]
+    cavity = turned_over(box([-0.05, -0.05, -1.05], [0.05, 0.05, -0.95]))
+    hole = box([-0.05, -0.05, -0.05], [0.05, 0.05, 0.05])
+    assert found_inverted((upright, triangles), cavity, hole) == [False, False, False]
+
+
+def test_a_point_is_in_a_body_if_an_odd_number_of_triangles_is_above_it():
+    """Also below edges and vertices, and on a face, which is not above it."""
+    points, triangles = cube(2)
+    grid = np.array([*itertools.product(np.arange(-1, 6) / 4, repeat=3)])
+    level = (grid[:, 2] == 0) | (grid[:, 2] == 1)
+    inside = ((grid > 0) & (grid < 1))[:, :2].all(axis=1) & (grid[:, 2] >= 0) & (grid[:, 2] < 1)
+    walls = np.isin(grid[:, :2], (0, 1)).any(axis=1)
+    for shear in ([[1, 0, 0], [0, 1, 0], [0, 0, 1]], [[3, 1, 0], [-1, 2, 0], [0, 0, 5]]):
+        corners = (points @ shear)[triangles]
+        p = (grid @ shear)[~walls]
+        above = [_orientation._below(p, np.broadcast_to(c, (len(p), 3, 3))) for c in corners]
+        np.testing.assert_array_equal(np.sum(above, axis=0) % 2 == 1, inside[~walls])
+    assert (inside & level).any()
