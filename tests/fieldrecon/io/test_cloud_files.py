@@ -285,6 +285,17 @@ def test_a_list_of_negative_length_ends_the_file(tmp_path, kind, length):
         read_ply(tmp_path / "cloud.ply")
 
 
+@pytest.mark.parametrize("length", [b"-1", b"-3", b"1e999", b"nan"])
+def test_a_first_list_without_a_length_ends_a_text_file(tmp_path, length):
+    """And the next one, of a list in a row that has another one."""
+    for kept in (0, 1):
+        content = ply("ascii", faces=[[0, 1, 2], [3, 4, 5], [6, 7]][: kept + 1])
+        at = content.rindex(b"3 0 1 2" if kept == 0 else b"3 3 4 5")
+        (tmp_path / "cloud.ply").write_bytes(content[:at] + length + content[at + 1 :])
+        with pytest.raises(ValueError, match=f"it announces {kept + 1} faces and holds {kept}"):
+            read_ply(tmp_path / "cloud.ply")
+
+
 @pytest.mark.parametrize("kind", ORDERS)
 def test_a_first_list_of_negative_length_ends_the_file(tmp_path, kind):
     content = ply(kind, faces=[[0, 1, 2]])
