@@ -152,6 +152,10 @@ def test_rays_of_any_direction_and_functions_without_values():
     assert fr.solids.ray_intersections(ball, np.zeros((0, 3)), [0, 0, -1], 6.0, 0.1).shape == (0,)
     with pytest.raises(ValueError, match="direction must be one vector of 3 coordinates, not all"):
         fr.solids.ray_intersections(ball, origins, [0, 0, 0], 6.0, 0.1)
+    with pytest.raises(ValueError, match="direction must be an array of real numbers"):
+        fr.solids.ray_intersections(ball, origins, [0, 0, 1j], 6.0, 0.1)
+    with pytest.raises(ValueError, match="lengths must be an array of real numbers"):
+        fr.solids.ray_intersections(ball, origins, [0, 0, -1], 6j, 0.1)
     with pytest.raises(ValueError, match=r"lengths must be one number, or 3, one for each ray"):
         fr.solids.ray_intersections(ball, origins, [0, 0, -1], [6.0, 6.0], 0.1)
     with pytest.raises(ValueError, match=r"finite on the rays; at \(0, 0, 1.4.*\) it is nan"):

@@ -240,6 +240,7 @@ def test_a_scanner_sees_nothing_in_the_shadow_of_a_ball(distance):
     [
         (lambda: Ball(0.0), "radius must be a positive number; got 0.0"),
         (lambda: Box([1.0, -1.0, 1.0]), r"size must be positive; got \[1.0, -1.0, 1.0\]"),
+        (lambda: Box([1.0, 1j, 1.0]), "size must be an array of real numbers"),
         (lambda: union(), "at least one body is needed"),
         (lambda: union(Ball(1.0), 3), "must be a Solid, such as .*; got 3"),
         (lambda: blend(Ball(1.0), Ball(1.0), -1), "radius must be a positive number"),

@@ -349,6 +349,8 @@ def test_distances_are_those_to_first_order():
     assert body.distances().shape == (300,)
     assert body.distances().max() < 1e-9
     assert_close(body.distances(x), np.abs(TORUS(x)), 0.02)
+    ball = implicit_surfaces.ImplicitSurface(as_clean_cloud(points, normals), Ball(2.0), 0.0)
+    assert ball.distances([0.0, 0, 0]) == 2.0  # where grad F is zero, |F|
 
 
 @pytest.mark.parametrize("unit", [1e-200, 1e-3, 1.0, 1e3, 1e200])
