@@ -55,6 +55,19 @@ def test_the_body_is_where_fewer_of_the_outermost_samples_are(seed):
     np.testing.assert_array_equal(LevelSet(lattice, values, 0.1)(lattice) > 0, inside)
 
 
+@pytest.mark.parametrize(("shrunk", "sign"), [(0.9, 1.0), (0.95, 1.0), (0.97, -1.0)])
+def test_outermost_are_the_samples_within_a_fiftieth_of_the_sides_of_the_box(shrunk, sign):
+    """There are more of value one than of zero, but these lie on the sides, and those may not."""
+    sides, others = (
+        np.stack(np.meshgrid(*[np.linspace(-1, 1, k)] * 3), axis=-1).reshape(-1, 3) for k in (3, 4)
+    )
+    sides, others = (x[abs(x).max(axis=1) == 1] for x in (sides, others))
+    points = 50.0 + 10 * np.concatenate([sides, shrunk * others])
+    values = np.repeat([0.0, 1.0], [26, 56])
+    assert LevelSet(points, values, 0.5).sign == sign
+    assert LevelSet(points, -values, -0.5).sign == -sign
+
+
 def test_the_level_of_a_linear_scalar_is_crossed_in_its_plane():
     """Between neighbouring samples it is found by linear interpolation, which is exact."""
     slope = np.array([1.0, 2.0, -3.0])

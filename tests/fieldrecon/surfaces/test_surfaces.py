@@ -146,6 +146,7 @@ def test_the_spacing_is_the_edge_of_a_square_with_the_area_of_a_point(neighbors)
     points = np.random.default_rng(4).standard_normal((200, 3))
     radius = np.sort(np.linalg.norm(points[:, None] - points, axis=2), axis=1)[:, neighbors]
     spacing = spacing_of(points + 1e4, neighbors)
+    assert neighbors != 9 or spacing == spacing_of(points + 1e4)  # the usual number
     assert neighbors * spacing**2 == pytest.approx(np.pi * np.median(radius) ** 2, rel=1e-9)
     reach = np.linalg.norm(points[:5, None] - points[:5], axis=2).max(axis=1)
     few = spacing_of(points[:5], 99)
@@ -309,6 +310,22 @@ def test_points_far_from_the_surface_are_nodes_of_lattices_and_lie_on_the_walls(
     assert {*map(tuple, found.round(9).tolist())} == {*expected}
     assert_close(values, np.array([expected[tuple(x)] for x in found.round(9)]), 1e-9)
     assert len(found) == len(expected)
+
+
+@pytest.mark.parametrize("beside", [-0.49, -0.2, 0.0, 0.2, 0.49])
+def test_nodes_of_a_lattice_are_used_up_to_two_steps_from_a_plane(beside):
+    """On both sides, and not nearer than 0.75, wherever the plane lies between the layers."""
+    x, y = (c.ravel() for c in np.meshgrid(np.arange(9.0), np.arange(9.0)))
+    points, up = np.column_stack([x, y, 0 * x]), np.tile([0.0, 0, 1], (81, 1))
+    given = as_clean_cloud(points, up)
+    step = 2 * given.spacing
+    box = np.array([[-1, -1, -(3 + beside) * step], [9, 9, 3 * step]])
+    layers = step * (np.arange(7) - 3 - beside + implicit_surfaces._SHIFT)
+    expected = layers[(abs(layers) > 0.75 * step) & (abs(layers) < 2 * step)]
+    found, values = _far_points(given, box)
+    inner = ((found > box[0] + 1e-9) & (found < box[1] - 1e-9)).all(axis=1)
+    assert_close(values[inner], -found[inner, 2], 1e-12)
+    assert np.unique(found[inner, 2].round(9)).tolist() == expected.round(9).tolist()
 
 
 @pytest.mark.parametrize(("n", "method"), [(700, RBF), (701, PartitionOfUnityRBF)])
@@ -887,14 +904,21 @@ def test_triangles_with_a_corner_farther_than_within_are_dropped():
     assert len(part.points) == len(np.unique(kept))
 
 
-def test_vertices_at_nodes_of_the_grid_stay_apart():
-    """At a corner of a cavity that is a node, three edges of the grid have a vertex."""
-    body = Box(2.0) - Box(1.0)
-    mesh = extract_surface(body, 0.25, box=[[-1.375] * 3, [1.375] * 3])
+@pytest.mark.parametrize(("shift", "unit"), [(0.0, 1.0), (2.0**24, 2.0**-10)])
+def test_vertices_at_nodes_of_the_grid_stay_apart(shift, unit):
+    """At a corner of a cavity that is a node, three edges of the grid have a vertex.
+
+    These are a millionth of an edge apart, or, far from the origin, dozens of roundings.
+    """
+    body = transform(Box(2.0) - Box(1.0), shift=[shift] * 3, scale=unit)
+    mesh = extract_surface(
+        body, 0.25 * unit, box=[[shift - 1.375 * unit] * 3, [shift + 1.375 * unit] * 3]
+    )
     assert mesh.audit.clean
-    assert np.abs(body(mesh.points)).max() < 1e-6
-    nearest = cKDTree(mesh.points).query(mesh.points, 2)[0][:, 1]
-    assert 0.9e-6 * mesh.spacing < nearest.min() < 1e-3 * mesh.spacing
+    least = max(1e-6 * mesh.spacing, 64 * np.spacing(shift))
+    assert np.abs(body(mesh.points)).max() < 2 * least
+    nearest = cKDTree(mesh.points - shift).query(mesh.points - shift, 2)[0][:, 1]
+    assert 0.5 * least < nearest.min() < 2 * least
 
 
 def test_a_grid_may_have_as_many_nodes_as_are_allowed(monkeypatch):
