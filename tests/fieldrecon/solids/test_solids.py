@@ -184,6 +184,21 @@ def test_points_are_drawn_on_a_surface_whatever_the_slope_of_the_field_there(slo
     assert_close(normals, points, 1e-10)
 
 
+def test_no_points_are_drawn_where_the_field_is_flat():
+    """Outside of this ball it is zero, with a gradient of zero, which gives no direction."""
+
+    class Clipped:
+        def __call__(self, x):
+            return np.maximum(Ball(1.0)(x), 0)
+
+        def gradient(self, x):
+            return np.where((Ball(1.0)(x) >= 0)[..., None], Ball(1.0).gradient(x), 0.0)
+
+    points, normals = sample_surface(as_solid(Clipped(), Ball(1.0).box), 50, seed=3)
+    assert_close(np.linalg.norm(points, axis=1), np.ones(50), 1e-12)
+    assert_close(normals, points, 1e-12)
+
+
 def test_noise_is_along_the_normal():
     """Its standard deviation is the given one; tangential components are zero."""
     points, normals = sample_surface(Ball(1.0), 4000, seed=5)

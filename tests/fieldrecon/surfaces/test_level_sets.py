@@ -55,6 +55,15 @@ def test_the_body_is_where_fewer_of_the_outermost_samples_are(seed):
     np.testing.assert_array_equal(LevelSet(lattice, values, 0.1)(lattice) > 0, inside)
 
 
+def test_outermost_samples_of_the_level_itself_are_not_in_the_body():
+    """Here most have the level, others less, and more is found inside only."""
+    lattice = np.stack(np.meshgrid(*[np.arange(5.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    outermost = ((lattice == 0) | (lattice == 4)).any(axis=1)
+    values = np.where(outermost, np.where(lattice.sum(axis=1) % 3 == 0, -1.0, 0.0), 1.0)
+    assert (values[outermost] == 0).mean() > 0.6
+    np.testing.assert_array_equal(LevelSet(lattice, values, 0.0)(lattice) > 0.5, ~outermost)
+
+
 @pytest.mark.parametrize(("shrunk", "sign"), [(0.9, 1.0), (0.95, 1.0), (0.97, -1.0)])
 def test_outermost_are_the_samples_within_a_fiftieth_of_the_sides_of_the_box(shrunk, sign):
     """There are more of value one than of zero, but these lie on the sides, and those may not."""

@@ -298,6 +298,12 @@ def test_neighbours_of_the_estimate_can_be_reused():
     assert (again == orient_normals(x, vectors, 9)).all()
 
 
+def test_by_default_sixteen_neighbours_are_fitted_on_a_surface_and_seven_on_a_curve():
+    rng = np.random.default_rng(4)
+    for d, default in ((3, 16), (2, 7)):
+        assert estimate_normals(rng.standard_normal((30, d))).neighbors.shape == (30, default)
+
+
 def test_orientation_changes_signs_only():
     """The input is not modified."""
     x, true = BODIES["sphere"]

@@ -315,17 +315,17 @@ def test_points_far_from_the_surface_are_nodes_of_lattices_and_lie_on_the_walls(
 @pytest.mark.parametrize("beside", [-0.49, -0.2, 0.0, 0.2, 0.49])
 def test_nodes_of_a_lattice_are_used_up_to_two_steps_from_a_plane(beside):
     """On both sides, and not nearer than 0.75, wherever the plane lies between the layers."""
-    x, y = (c.ravel() for c in np.meshgrid(np.arange(9.0), np.arange(9.0)))
-    points, up = np.column_stack([x, y, 0 * x]), np.tile([0.0, 0, 1], (81, 1))
-    given = as_clean_cloud(points, up)
+    y, z = (c.ravel() for c in np.meshgrid(np.arange(9.0), np.arange(9.0)))
+    points, normals = np.column_stack([0 * y, y, z]), np.tile([1.0, 0, 0], (81, 1))
+    given = as_clean_cloud(points, normals)
     step = 2 * given.spacing
-    box = np.array([[-1, -1, -(3 + beside) * step], [9, 9, 3 * step]])
+    box = np.array([[-(3 + beside) * step, -1, -1], [3 * step, 9, 9]])
     layers = step * (np.arange(7) - 3 - beside + implicit_surfaces._SHIFT)
     expected = layers[(abs(layers) > 0.75 * step) & (abs(layers) < 2 * step)]
     found, values = _far_points(given, box)
     inner = ((found > box[0] + 1e-9) & (found < box[1] - 1e-9)).all(axis=1)
-    assert_close(values[inner], -found[inner, 2], 1e-12)
-    assert np.unique(found[inner, 2].round(9)).tolist() == expected.round(9).tolist()
+    assert_close(values[inner], -found[inner, 0], 1e-12)
+    assert np.unique(found[inner, 0].round(9)).tolist() == expected.round(9).tolist()
 
 
 @pytest.mark.parametrize(("n", "method"), [(700, RBF), (701, PartitionOfUnityRBF)])
@@ -341,7 +341,10 @@ def test_from_points_and_normals_the_kernel_is_that_of_least_energy():
     data = [values_at(points), derivatives_at(points, normals)]
     field = HermiteRBF(data, polyharmonic(3)).field(np.repeat([0.0, -1.0], 60))
     x = 0.9 * points
-    assert_close(implicit_surface(points, normals, method="hermite")(x), field(x), 1e-9)
+    body = implicit_surface(points, normals, method="hermite")
+    assert_close(body(x), field(x), 1e-9)
+    assert body.smoothing == 0
+    assert body.warnings == ()
 
 
 def test_points_off_the_surface_are_a_spacing_away_or_as_far_as_given():
