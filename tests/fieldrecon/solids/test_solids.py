@@ -184,6 +184,13 @@ def test_points_are_drawn_on_a_surface_whatever_the_slope_of_the_field_there(slo
     assert_close(normals, points, 1e-10)
 
 
+def test_as_many_points_are_drawn_as_are_wanted():
+    """Also where a round finds one at most: in a box that is large for the body."""
+    body = as_solid(Ball(0.1), [[-5.0] * 3, [5.0] * 3])
+    for n in (0, 1, 2, 5):
+        assert sample_surface(body, n, seed=1)[0].shape == (n, 3)
+
+
 def test_no_points_are_drawn_where_the_field_is_flat():
     """Outside of this ball it is zero, with a gradient of zero, which gives no direction."""
 

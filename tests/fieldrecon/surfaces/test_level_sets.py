@@ -83,6 +83,8 @@ def test_the_level_of_a_linear_scalar_is_crossed_in_its_plane():
     body = LevelSet(POINTS, POINTS @ slope, 0.3)
     assert len(body.points) > 50
     np.testing.assert_allclose(body.points @ slope, 0.3, atol=1e-13)
+    nearest = cKDTree(POINTS).query(POINTS, 2)[0][:, 1]
+    assert body.spacing == pytest.approx(np.median(nearest))
     far = cKDTree(POINTS).query(body.points)[0]
     assert far.max() < 2 * body.spacing
 

@@ -315,17 +315,21 @@ def test_points_far_from_the_surface_are_nodes_of_lattices_and_lie_on_the_walls(
 @pytest.mark.parametrize("beside", [-0.49, -0.2, 0.0, 0.2, 0.49])
 def test_nodes_of_a_lattice_are_used_up_to_two_steps_from_a_plane(beside):
     """On both sides, and not nearer than 0.75, wherever the plane lies between the layers."""
-    y, z = (c.ravel() for c in np.meshgrid(np.arange(9.0), np.arange(9.0)))
-    points, normals = np.column_stack([0 * y, y, z]), np.tile([1.0, 0, 0], (81, 1))
+    y, z = (c.ravel() for c in np.meshgrid(np.arange(9.0), np.arange(17.0)))
+    points, normals = np.column_stack([0 * y, y, z]), np.tile([1.0, 0, 0], (153, 1))
     given = as_clean_cloud(points, normals)
     step = 2 * given.spacing
-    box = np.array([[-(3 + beside) * step, -1, -1], [3 * step, 9, 9]])
+    box = np.array([[-(3 + beside) * step, -1, -1], [3 * step, 9, 17]])
     layers = step * (np.arange(7) - 3 - beside + implicit_surfaces._SHIFT)
     expected = layers[(abs(layers) > 0.75 * step) & (abs(layers) < 2 * step)]
     found, values = _far_points(given, box)
     inner = ((found > box[0] + 1e-9) & (found < box[1] - 1e-9)).all(axis=1)
     assert_close(values[inner], -found[inner, 0], 1e-12)
     assert np.unique(found[inner, 0].round(9)).tolist() == expected.round(9).tolist()
+    lines = -1 + step * (np.arange(9) + implicit_surfaces._SHIFT)
+    beyond = inner & ((found[:, 1:] > 0) & (found[:, 1:] < [8, 16])).all(axis=1)
+    count = [((lines > 0) & (lines < width)).sum() for width in (8, 16)]
+    assert beyond.sum() == len(expected) * count[0] * count[1]
 
 
 @pytest.mark.parametrize(("n", "method"), [(700, RBF), (701, PartitionOfUnityRBF)])
@@ -514,6 +518,13 @@ def test_a_direction_that_its_neighbours_contradict_is_rejected(
     mask = np.array([True, known, known, False, True])
     neighbors = np.array([[0, 4, 1, 2, 3]] * 5)
     assert _against(points, directions, mask, neighbors)[0] == against
+
+
+def test_a_cloud_of_which_most_points_have_no_normal_is_reported():
+    given = as_clean_cloud(spiral(40), spiral(40))
+    for known, reported in ((19, True), (20, False)):
+        found = implicit_surfaces._warnings(replace(given, trusted=np.arange(40) < known), 0.0)
+        assert [w.startswith("Most points have no normal") for w in found] == [True] * reported
 
 
 @pytest.mark.slow
