@@ -86,5 +86,8 @@ def test_few_points_have_points_off_the_surface():
     off = fr.off_surface_points([[0.0, 0, 1]], [[0.0, 0, 2]], 0.5)
     assert_close(off.points, [[0, 0, 1.5], [0, 0, 0.5]], 1e-15)
     assert_close(off.values, [-0.5, 0.5], 0.0)
+    off = fr.off_surface_points(NONE, NONE)
+    assert off.points.shape == (0, 3)
+    assert off.values.shape == off.sites.shape == (0,)
     none = fr.surfaces.classified_points(SPACE, SPACE + 1, np.zeros((0, 3)))
     assert none.points.shape == (0, 3)

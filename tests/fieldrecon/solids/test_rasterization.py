@@ -53,13 +53,14 @@ def test_what_lies_beside_the_view_leaves_no_pixel():
             assert (image[..., 3] > 0).any() == (right == up == 0.5)
 
 
+@pytest.mark.parametrize(("high", "pixels"), [(1.0, 24), (0.4, 24), (1.7, 24), (0.5, 2)])
 @pytest.mark.parametrize("turn", [1, -1])
-def test_a_triangle_covers_the_pixels_whose_middles_lie_in_it(turn):
+def test_a_triangle_covers_the_pixels_whose_middles_lie_in_it(turn, high, pixels):
     """From both sides; on the left of each of its edges, if these turn anticlockwise."""
     rng = np.random.default_rng(3)
-    view = fr.solids.View.of_box([[-1.0] * 3, [1.0] * 3], (0, -1, 0), 24)
+    view = fr.solids.View.of_box([[-1.0, -1, -high], [1.0, 1, high]], (0, -1, 0), pixels)
     middles = view.origins[..., [0, 2]]
-    for corners in rng.uniform(-1.2, 1.2, (20, 3, 2)):
+    for corners in rng.uniform(-1.2, 1.2, (20, 3, 2)) * [1, high]:
         u, v = corners[1:] - corners[0]
         corners = corners[:: int(np.sign(u[0] * v[1] - u[1] * v[0]))]
         inside = np.ones(middles.shape[:2], dtype=bool)

@@ -152,6 +152,10 @@ def test_rays_of_any_direction_and_functions_without_values():
     assert fr.solids.ray_intersections(ball, np.zeros((0, 3)), [0, 0, -1], 6.0, 0.1).shape == (0,)
     with pytest.raises(ValueError, match="direction must be one vector of 3 coordinates, not all"):
         fr.solids.ray_intersections(ball, origins, [0, 0, 0], 6.0, 0.1)
+    with pytest.raises(ValueError, match="direction must be an array of real numbers"):
+        fr.solids.ray_intersections(ball, origins, [0, 0, 1j], 6.0, 0.1)
+    with pytest.raises(ValueError, match="lengths must be an array of real numbers"):
+        fr.solids.ray_intersections(ball, origins, [0, 0, -1], 6j, 0.1)
     with pytest.raises(ValueError, match=r"lengths must be one number, or 3, one for each ray"):
         fr.solids.ray_intersections(ball, origins, [0, 0, -1], [6.0, 6.0], 0.1)
     with pytest.raises(ValueError, match=r"finite on the rays; at \(0, 0, 1.4.*\) it is nan"):
@@ -160,6 +164,15 @@ def test_rays_of_any_direction_and_functions_without_values():
         )
     with pytest.raises(ValueError, match=r"one value at each of 3 points; got the shape \(3, 1\)"):
         fr.solids.ray_intersections(lambda x: -x[:, :1] - 1, origins, [0, 0, -1], 6.0, 0.1)
+
+
+def test_progress_counts_the_rays_that_have_ended():
+    """At the ball, after two steps and four, or at their end, after twelve."""
+    told, origins = [], [[0.0, 0, 2], [0, 0, 3], [0, 2, 3]]
+    fr.solids.ray_intersections(
+        Ball(1.0), origins, [0, 0, -1], 6.0, 0.5, progress=lambda *counts: told.append(counts)
+    )
+    assert told == [(k, 3) for k in [0] * 2 + [1] * 2 + [2] * 8 + [3]]
 
 
 @pytest.mark.parametrize("slope", [0, -1.0, np.nan, np.inf])
@@ -221,15 +234,17 @@ def test_a_view_is_centred_and_its_rays_cross_the_box():
 def test_light_is_ambient_diffuse_and_mirrored():
     """The ray to the viewer is mirrored at the normal; where it points away from the lamp, none."""
     rng = np.random.default_rng(1)
-    normals, color = rng.normal(size=(400, 3)), np.array([0.6, 0.3, 0.1])
-    unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    normals, color = rng.normal(size=(400, 3)), np.array([1.0, 0.3, 0.1])
     lamp, viewer = np.array(LIGHT) / np.linalg.norm(LIGHT), np.array([0, 0, 1.0])
+    normals[7] = lamp + viewer  # which mirrors the lamp to the viewer: more light than is shown
+    unit = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     for u, found in zip(unit, phong(normals, color), strict=True):
         mirrored = 2 * (u @ viewer) * u - viewer
         shine = max(mirrored @ lamp, 0) if u @ lamp > 0 else 0
         light = ray_casting._AMBIENT + ray_casting._DIFFUSE * max(u @ lamp, 0)
         shine = ray_casting._SPECULAR * shine**ray_casting._SHININESS
         np.testing.assert_allclose(found, np.clip(light * color + shine, 0, 1), atol=1e-12)
+    assert phong(normals, color).max() == 1
 
 
 def test_phong_lighting_has_full_and_ambient_light():

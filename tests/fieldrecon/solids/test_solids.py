@@ -184,6 +184,28 @@ def test_points_are_drawn_on_a_surface_whatever_the_slope_of_the_field_there(slo
     assert_close(normals, points, 1e-10)
 
 
+def test_as_many_points_are_drawn_as_are_wanted():
+    """Also where a round finds one at most: in a box that is large for the body."""
+    body = as_solid(Ball(0.1), [[-5.0] * 3, [5.0] * 3])
+    for n in (0, 1, 2, 5):
+        assert sample_surface(body, n, seed=1)[0].shape == (n, 3)
+
+
+def test_no_points_are_drawn_where_the_field_is_flat():
+    """Outside of this ball it is zero, with a gradient of zero, which gives no direction."""
+
+    class Clipped:
+        def __call__(self, x):
+            return np.maximum(Ball(1.0)(x), 0)
+
+        def gradient(self, x):
+            return np.where((Ball(1.0)(x) >= 0)[..., None], Ball(1.0).gradient(x), 0.0)
+
+    points, normals = sample_surface(as_solid(Clipped(), Ball(1.0).box), 50, seed=3)
+    assert_close(np.linalg.norm(points, axis=1), np.ones(50), 1e-12)
+    assert_close(normals, points, 1e-12)
+
+
 def test_noise_is_along_the_normal():
     """Its standard deviation is the given one; tangential components are zero."""
     points, normals = sample_surface(Ball(1.0), 4000, seed=5)
@@ -240,6 +262,7 @@ def test_a_scanner_sees_nothing_in_the_shadow_of_a_ball(distance):
     [
         (lambda: Ball(0.0), "radius must be a positive number; got 0.0"),
         (lambda: Box([1.0, -1.0, 1.0]), r"size must be positive; got \[1.0, -1.0, 1.0\]"),
+        (lambda: Box([1.0, 1j, 1.0]), "size must be an array of real numbers"),
         (lambda: union(), "at least one body is needed"),
         (lambda: union(Ball(1.0), 3), "must be a Solid, such as .*; got 3"),
         (lambda: blend(Ball(1.0), Ball(1.0), -1), "radius must be a positive number"),

@@ -55,12 +55,36 @@ def test_the_body_is_where_fewer_of_the_outermost_samples_are(seed):
     np.testing.assert_array_equal(LevelSet(lattice, values, 0.1)(lattice) > 0, inside)
 
 
+def test_outermost_samples_of_the_level_itself_are_not_in_the_body():
+    """Here most have the level, others less, and more is found inside only."""
+    lattice = np.stack(np.meshgrid(*[np.arange(5.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    outermost = ((lattice == 0) | (lattice == 4)).any(axis=1)
+    values = np.where(outermost, np.where(lattice.sum(axis=1) % 3 == 0, -1.0, 0.0), 1.0)
+    assert (values[outermost] == 0).mean() > 0.6
+    np.testing.assert_array_equal(LevelSet(lattice, values, 0.0)(lattice) > 0.5, ~outermost)
+
+
+@pytest.mark.parametrize(("shrunk", "sign"), [(0.9, 1.0), (0.95, 1.0), (0.97, -1.0)])
+def test_outermost_are_the_samples_within_a_fiftieth_of_the_sides_of_the_box(shrunk, sign):
+    """There are more of value one than of zero, but these lie on the sides, and those may not."""
+    sides, others = (
+        np.stack(np.meshgrid(*[np.linspace(-1, 1, k)] * 3), axis=-1).reshape(-1, 3) for k in (3, 4)
+    )
+    sides, others = (x[abs(x).max(axis=1) == 1] for x in (sides, others))
+    points = 50.0 + 10 * np.concatenate([sides, shrunk * others])
+    values = np.repeat([0.0, 1.0], [26, 56])
+    assert LevelSet(points, values, 0.5).sign == sign
+    assert LevelSet(points, -values, -0.5).sign == -sign
+
+
 def test_the_level_of_a_linear_scalar_is_crossed_in_its_plane():
     """Between neighbouring samples it is found by linear interpolation, which is exact."""
     slope = np.array([1.0, 2.0, -3.0])
     body = LevelSet(POINTS, POINTS @ slope, 0.3)
     assert len(body.points) > 50
     np.testing.assert_allclose(body.points @ slope, 0.3, atol=1e-13)
+    nearest = cKDTree(POINTS).query(POINTS, 2)[0][:, 1]
+    assert body.spacing == pytest.approx(np.median(nearest))
     far = cKDTree(POINTS).query(body.points)[0]
     assert far.max() < 2 * body.spacing
 

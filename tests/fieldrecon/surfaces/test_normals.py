@@ -68,14 +68,15 @@ BODIES = {
 
 
 def test_a_vote_turns_a_sign_that_its_neighbours_contradict_and_no_other(monkeypatch):
-    """In a ring of equal normals none, one or two have the wrong sign."""
+    """In a ring of equal normals none, one or two have the wrong sign; votes may be small."""
     monkeypatch.setattr(normal_orientation, "_MAX_SWEEPS", 1)
     index = (np.arange(12)[:, None] + [1, 2, 3]) % 12
-    for wrong in ([], [5], [2, 7]):
+    for wrong, vote in product(([], [5], [2, 7]), (1.0, 0.01, 0.0)):
         sign = np.ones(12)
         sign[wrong] = -1
-        _vote(sign, np.ones((12, 3)), index)
-        assert sign.tolist() == [1] * 12
+        before = sign.tolist()
+        _vote(sign, np.full((12, 3), vote), index)
+        assert sign.tolist() == ([1] * 12 if vote else before)
 
 
 @pytest.mark.parametrize("d", [2, 3])
@@ -295,6 +296,12 @@ def test_neighbours_of_the_estimate_can_be_reused():
     vectors = shuffled_signs(estimate.vectors)
     again = orient_normals(x, vectors, estimate.neighbors[:, :9])
     assert (again == orient_normals(x, vectors, 9)).all()
+
+
+def test_by_default_sixteen_neighbours_are_fitted_on_a_surface_and_seven_on_a_curve():
+    rng = np.random.default_rng(4)
+    for d, default in ((3, 16), (2, 7)):
+        assert estimate_normals(rng.standard_normal((30, d))).neighbors.shape == (30, default)
 
 
 def test_orientation_changes_signs_only():

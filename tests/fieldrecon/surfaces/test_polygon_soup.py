@@ -271,6 +271,18 @@ def test_enclosing_surfaces_contain_all_corners_and_are_close(loose, epsilon, sh
     assert np.mean(ratios) <= share
 
 
+def test_sweeps_that_enclose_go_on_after_four_without_progress():
+    """Of these segments the fifth is better again; sweep by sweep, the best is taken."""
+    points, segments = np.random.default_rng(112).normal(size=(8, 2)), np.arange(8).reshape(4, 2)
+    offsets, means = np.zeros(4), []
+    for _ in range(40):
+        values = fr.surfaces.PolygonSoup(points, segments, 1.0, offsets)(points)
+        means.append((values - values.min()).mean())
+        offsets = offsets - values[segments].min(axis=1)
+    around = fr.surfaces.PolygonSoup(points, segments, 1.0).enclosing()(points)
+    assert around.mean() < 1.1 * min(means)
+
+
 def test_constant_values_on_polygons_give_the_zero_field(monkeypatch, rng):
     """Plain moving least squares with the value zero on the polygons gives F = 0 everywhere."""
     soup = fr.surfaces.PolygonSoup(*sphere(1))

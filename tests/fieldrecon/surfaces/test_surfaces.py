@@ -146,6 +146,7 @@ def test_the_spacing_is_the_edge_of_a_square_with_the_area_of_a_point(neighbors)
     points = np.random.default_rng(4).standard_normal((200, 3))
     radius = np.sort(np.linalg.norm(points[:, None] - points, axis=2), axis=1)[:, neighbors]
     spacing = spacing_of(points + 1e4, neighbors)
+    assert neighbors != 9 or spacing == spacing_of(points + 1e4)  # the usual number
     assert neighbors * spacing**2 == pytest.approx(np.pi * np.median(radius) ** 2, rel=1e-9)
     reach = np.linalg.norm(points[:5, None] - points[:5], axis=2).max(axis=1)
     few = spacing_of(points[:5], 99)
@@ -311,6 +312,26 @@ def test_points_far_from_the_surface_are_nodes_of_lattices_and_lie_on_the_walls(
     assert len(found) == len(expected)
 
 
+@pytest.mark.parametrize("beside", [-0.49, -0.2, 0.0, 0.2, 0.49])
+def test_nodes_of_a_lattice_are_used_up_to_two_steps_from_a_plane(beside):
+    """On both sides, and not nearer than 0.75, wherever the plane lies between the layers."""
+    y, z = (c.ravel() for c in np.meshgrid(np.arange(9.0), np.arange(17.0)))
+    points, normals = np.column_stack([0 * y, y, z]), np.tile([1.0, 0, 0], (153, 1))
+    given = as_clean_cloud(points, normals)
+    step = 2 * given.spacing
+    box = np.array([[-(3 + beside) * step, -1, -1], [3 * step, 9, 17]])
+    layers = step * (np.arange(7) - 3 - beside + implicit_surfaces._SHIFT)
+    expected = layers[(abs(layers) > 0.75 * step) & (abs(layers) < 2 * step)]
+    found, values = _far_points(given, box)
+    inner = ((found > box[0] + 1e-9) & (found < box[1] - 1e-9)).all(axis=1)
+    assert_close(values[inner], -found[inner, 0], 1e-12)
+    assert np.unique(found[inner, 0].round(9)).tolist() == expected.round(9).tolist()
+    lines = -1 + step * (np.arange(9) + implicit_surfaces._SHIFT)
+    beyond = inner & ((found[:, 1:] > 0) & (found[:, 1:] < [8, 16])).all(axis=1)
+    count = [((lines > 0) & (lines < width)).sum() for width in (8, 16)]
+    assert beyond.sum() == len(expected) * count[0] * count[1]
+
+
 @pytest.mark.parametrize(("n", "method"), [(700, RBF), (701, PartitionOfUnityRBF)])
 def test_up_to_700_points_are_interpolated_by_one_system(n, method):
     """And more by a partition of unity, if no method is given."""
@@ -324,7 +345,10 @@ def test_from_points_and_normals_the_kernel_is_that_of_least_energy():
     data = [values_at(points), derivatives_at(points, normals)]
     field = HermiteRBF(data, polyharmonic(3)).field(np.repeat([0.0, -1.0], 60))
     x = 0.9 * points
-    assert_close(implicit_surface(points, normals, method="hermite")(x), field(x), 1e-9)
+    body = implicit_surface(points, normals, method="hermite")
+    assert_close(body(x), field(x), 1e-9)
+    assert body.smoothing == 0
+    assert body.warnings == ()
 
 
 def test_points_off_the_surface_are_a_spacing_away_or_as_far_as_given():
@@ -349,6 +373,8 @@ def test_distances_are_those_to_first_order():
     assert body.distances().shape == (300,)
     assert body.distances().max() < 1e-9
     assert_close(body.distances(x), np.abs(TORUS(x)), 0.02)
+    ball = implicit_surfaces.ImplicitSurface(as_clean_cloud(points, normals), Ball(2.0), 0.0)
+    assert ball.distances([0.0, 0, 0]) == 2.0  # where grad F is zero, |F|
 
 
 @pytest.mark.parametrize("unit", [1e-200, 1e-3, 1.0, 1e3, 1e200])
@@ -492,6 +518,13 @@ def test_a_direction_that_its_neighbours_contradict_is_rejected(
     mask = np.array([True, known, known, False, True])
     neighbors = np.array([[0, 4, 1, 2, 3]] * 5)
     assert _against(points, directions, mask, neighbors)[0] == against
+
+
+def test_a_cloud_of_which_most_points_have_no_normal_is_reported():
+    given = as_clean_cloud(spiral(40), spiral(40))
+    for known, reported in ((19, True), (20, False)):
+        found = implicit_surfaces._warnings(replace(given, trusted=np.arange(40) < known), 0.0)
+        assert [w.startswith("Most points have no normal") for w in found] == [True] * reported
 
 
 @pytest.mark.slow
@@ -885,14 +918,21 @@ def test_triangles_with_a_corner_farther_than_within_are_dropped():
     assert len(part.points) == len(np.unique(kept))
 
 
-def test_vertices_at_nodes_of_the_grid_stay_apart():
-    """At a corner of a cavity that is a node, three edges of the grid have a vertex."""
-    body = Box(2.0) - Box(1.0)
-    mesh = extract_surface(body, 0.25, box=[[-1.375] * 3, [1.375] * 3])
+@pytest.mark.parametrize(("shift", "unit"), [(0.0, 1.0), (2.0**24, 2.0**-10)])
+def test_vertices_at_nodes_of_the_grid_stay_apart(shift, unit):
+    """At a corner of a cavity that is a node, three edges of the grid have a vertex.
+
+    These are a millionth of an edge apart, or, far from the origin, dozens of roundings.
+    """
+    body = transform(Box(2.0) - Box(1.0), shift=[shift] * 3, scale=unit)
+    mesh = extract_surface(
+        body, 0.25 * unit, box=[[shift - 1.375 * unit] * 3, [shift + 1.375 * unit] * 3]
+    )
     assert mesh.audit.clean
-    assert np.abs(body(mesh.points)).max() < 1e-6
-    nearest = cKDTree(mesh.points).query(mesh.points, 2)[0][:, 1]
-    assert 0.9e-6 * mesh.spacing < nearest.min() < 1e-3 * mesh.spacing
+    least = max(1e-6 * mesh.spacing, 64 * np.spacing(shift))
+    assert np.abs(body(mesh.points)).max() < 2 * least
+    nearest = cKDTree(mesh.points - shift).query(mesh.points - shift, 2)[0][:, 1]
+    assert 0.5 * least < nearest.min() < 2 * least
 
 
 def test_a_grid_may_have_as_many_nodes_as_are_allowed(monkeypatch):
