@@ -203,11 +203,12 @@ def signatures(tree: ast.Module) -> tuple[list[Extent], list[Extent]]:
 SPARED_ARGUMENTS = {
     *("strict", "copy", "overwrite_a", "overwrite_b", "overwrite_c", "check_finite", "clean"),
     *("balanced_tree", "workers", "pure", "maxsize", "linewidth", "linewidths", "dpi", "figsize"),
-    *("markersize", "markeredgewidth", "pad", "borderpad", "nbins", "allow_nan"),
+    *("markersize", "markeredgewidth", "pad", "borderpad", "nbins", "allow_nan", "indent"),
 }
 """Guards and permissions to change or share an argument, threads and caches, sizes of marks."""
 SPARED_CALLS = {
     *("rows_of", "rows", "_chunk_rows", "blas_threads_for", "split_progress", "default_rng"),
+    "_parts",
 }
 """Calls whose arguments decide how much is done at once, what a bar shows, or which sample."""
 SPARED_FUNCTIONS = {"_chunk_rows", "_weight_chunk_rows"}
@@ -471,7 +472,11 @@ def outcome(mutant: Mutant, folder: Path, known: Reach) -> str:
 
 def equivalents() -> set[tuple[str, str, str]]:
     """Return path and lines, before and after, of the mutants that compute the same."""
-    return {(entry["path"], entry["before"], entry["after"]) for entry in listed()["mutant"]}
+    return {
+        (entry["path"], entry["before"], after)
+        for entry in listed()["mutant"]
+        for after in entry["after"]
+    }
 
 
 def trials(mutants: list[Mutant], known: Reach, folders: list[Path], results: Path) -> dict:

@@ -122,7 +122,7 @@ def _slabs(along: np.ndarray, number: int) -> tuple[np.ndarray, np.ndarray]:
     """Cuts (s - 1,) of the coordinates (n,), and the sites of each slab (s, n // s + 1)."""
     n = len(along)
     ends = np.arange(1, number) * n // number
-    order = np.argpartition(along, ends) if number > 1 else np.arange(n)
+    order = np.argpartition(along, ends)
     parts = np.split(order, ends)
     rows = np.full((number, n // number + 1), -1)
     for row, part in zip(rows, parts, strict=True):

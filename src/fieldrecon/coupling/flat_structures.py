@@ -199,8 +199,12 @@ def refuse_lost_moments(method: Reconstruction) -> None:
 
 
 def refuse_a_line(thinness: np.ndarray, flatness: float) -> None:
-    """Refuse nodes on a line of space, or at one point of the plane."""
-    if len(thinness) < 2 or thinness[-2] <= flatness:
+    """Refuse nodes of one coordinate, on a line of space, or at one point of the plane."""
+    if len(thinness) == 1:
+        raise np.linalg.LinAlgError(
+            "nodes with one coordinate do not rotate: use a Coupling, which needs no flat structure"
+        )
+    if thinness[-2] <= flatness:
         where = "at one point" if len(thinness) < 3 or thinness[0] == 0 else "on a line"
         raise np.linalg.LinAlgError(
             f"the structural nodes lie {where}, and their displacements do not determine its "

@@ -19,13 +19,11 @@ def write_netcdf(path: Path, result: TargetValues) -> None:
     """Write variables over the axes of a grid, or over points with their coordinates."""
     variables = cf_variables(result)
     coordinates = " ".join(v.name for v in variables if v.role == "coordinate")
-    with netcdf_file(path, "w", mmap=False, version=2) as file:
+    with netcdf_file(path, "w", version=2) as file:
         file.Conventions = CONVENTIONS
         for variable in variables:
             _create_dimensions(file, variable)
-            written = file.createVariable(
-                variable.name, variable.data.dtype.str[1:], variable.dimensions
-            )
+            written = file.createVariable(variable.name, variable.data.dtype, variable.dimensions)
             written[...] = variable.data
             for key, value in variable.attributes.items():
                 setattr(written, key, _encoded(value))

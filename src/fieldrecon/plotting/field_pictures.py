@@ -147,7 +147,7 @@ def _draw_grid(axes: Axes, result: TargetValues, values: np.ndarray, colors: dic
     picture = axes.imshow(values, extent=edges, aspect="auto", interpolation="bilinear", **colors)
     pale = np.where(flags[..., None] == AMONG, [1.0, 1.0, 1.0, 0.0], [1.0, 1.0, 1.0, 0.45])
     axes.imshow(pale, extent=edges, aspect="auto")
-    if len(x) > 1 < len(y) and (outside := (flags == OUTSIDE).astype(float)).any():
+    if (outside := (flags == OUTSIDE).astype(float)).any():
         axes.contourf(x, y, outside, [0.5, 1.5], colors=["#ffffff00"], hatches=["////"])
         axes.contour(x, y, outside, [0.5], colors="black", linewidths=0.7)
     axes.set(xlim=edges[:2], ylim=edges[2:])

@@ -232,7 +232,7 @@ class View:
         toward : (3,) array_like
             Direction to the viewer.
         pixels : int
-            Number of pixels along the longer side.
+            Number of pixels along the longer side, two or more.
         up : (3,) array_like
             Direction that points up in the picture.
 
@@ -242,6 +242,7 @@ class View:
         (20, 40, 3)
         """
         low, high = as_box(box)
+        pixels = valid.as_count(pixels, "pixels", 2)
         axes = _axes(valid.as_queries(toward, 3, "toward"), valid.as_queries(up, 3, "up"))
         corners = np.stack(np.meshgrid(*zip(low, high, strict=True), indexing="ij"), axis=-1)
         projected = (corners.reshape(-1, 3) - low) @ axes

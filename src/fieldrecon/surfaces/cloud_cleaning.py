@@ -78,12 +78,7 @@ def as_clean_cloud(points: ArrayLike, normals: ArrayLike | None) -> CleanedCloud
     else:
         outward, trusted = n[kept], np.ones(len(p), dtype=bool)
         beside = ~trusted
-    findings = (
-        (len(given) - len(first), "{} repeat others and count once"),
-        (int(alone.sum()), "{} lie apart from all others and are ignored"),
-        (int((~trusted).sum()), "{} have no normal: no plane fits their neighbours, as at edges"),
-    )
-    warnings = [sentence.format(_points(count)) + "." for count, sentence in findings if count]
+    warnings = _findings(len(given) - len(first), int(alone.sum()), int((~trusted).sum()))
     left_out = np.setdiff1d(np.arange(len(given)), kept)
     return CleanedCloud(p, outward, trusted, beside, left_out, spacing, noise, tuple(warnings))
 
@@ -147,7 +142,7 @@ def _at_boundaries(
     looking = np.einsum("nki,nki,nk->n", offsets, outward[neighbors], trusted[neighbors])
     sign = np.where(looking < 0, -1.0, 1.0)
     known = (far > _OFF_CENTER * reach) & (looking != 0)
-    directions = np.where(known, sign / np.maximum(far, np.finfo(float).tiny), 0.0)[:, None] * away
+    directions = (sign / np.maximum(far, np.finfo(float).tiny))[:, None] * away
     return np.where(known[:, None], directions, outward[neighbors[:, 0]]), known
 
 
@@ -185,5 +180,23 @@ def noise_of(p: np.ndarray) -> float:
     return float(np.median(np.linalg.norm(residuals, axis=(1, 2)) * size[:, 0, 0]) / np.sqrt(k - 6))
 
 
-def _points(count: int) -> str:
-    return "1 point" if count == 1 else f"{count:,} points"
+def _findings(repeated: int, alone: int, unknown: int) -> list[str]:
+    """Sentences on the points that repeat others, lie apart, or have no normal."""
+    found = (
+        (repeated, "repeats others and counts once", "repeat others and count once"),
+        (
+            alone,
+            "lies apart from all others and is ignored",
+            "lie apart from all others and are ignored",
+        ),
+        (
+            unknown,
+            "has no normal: no plane fits its neighbours, as at edges",
+            "have no normal: no plane fits their neighbours, as at edges",
+        ),
+    )
+    return [
+        f"1 point {one}." if count == 1 else f"{count:,} points {several}."
+        for count, one, several in found
+        if count
+    ]

@@ -59,9 +59,9 @@ class LevelSet(Solid):
                 f"{level:.6g}"
             )
         low, high = points.min(axis=0), points.max(axis=0)
-        above = values > level
         outermost = (abs(points - (low + high) / 2) >= (0.5 - _LAYER) * (high - low)).any(axis=1)
-        self.sign = -1.0 if above[outermost].mean() > 0.5 else 1.0
+        above, below = ((side[outermost]).sum() for side in (values > level, values < level))
+        self.sign = -1.0 if above > below else 1.0
         self.samples = len(points)
         distance, neighbor = cKDTree(points).query(points, range(2, _NEIGHBORS + 2))
         self.spacing = float(np.median(distance[:, 0]))

@@ -185,7 +185,7 @@ def _propagate(
     # pointer jumping: the number of steps is the logarithm of the depth
     while (parent[parent] != parent).any():
         sign, parent = sign * sign[parent], parent[parent]
-    return sign * sign[parent], part
+    return sign, part  # the parents are roots
 
 
 def _vote(sign: np.ndarray, votes: np.ndarray, index: np.ndarray) -> None:

@@ -70,7 +70,7 @@ def intersecting_pairs(
 
     def work(some: np.ndarray) -> np.ndarray:
         found = [filter(i, j) for i, j in _leaves(one, other, k, some[:, 0], some[:, 1], mirrored)]
-        return np.concatenate(found) if found else np.empty((0, 2), dtype=np.intp)
+        return np.concatenate(found)
 
     parts = [part for _, part in chunked(work, nodes, _ROWS, progress=progress)]
     return np.concatenate(parts) if parts else np.empty((0, 2), dtype=np.intp)

@@ -26,7 +26,7 @@ def merged_vertices(points: np.ndarray, tolerance: float = 0.0) -> np.ndarray:
         return first
     distinct = np.flatnonzero(first == np.arange(len(points)))
     pairs = _near_pairs(points[distinct], tolerance)
-    return first if len(pairs) == 0 else component_minimum(len(points), distinct[pairs])[first]
+    return component_minimum(len(points), distinct[pairs])[first]
 
 
 def _near_pairs(points: np.ndarray, tolerance: float) -> np.ndarray:
@@ -113,7 +113,7 @@ def coincident_vertices(
     edges = half_edges.edges[shared[merged[half_edges.edges]].any(axis=1)]
     pairs = _edge_pairs(edges, merged)
     links = np.concatenate([pairs[:, [0, 2]], pairs[:, [1, 3]]])
-    same = component_minimum(len(merged), links) if len(links) else np.arange(len(merged))
+    same = component_minimum(len(merged), links)
     least = np.full(len(merged), len(merged))
     np.minimum.at(least, merged[used], used)
     again = used[same[used] != used]

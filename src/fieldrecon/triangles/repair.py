@@ -273,7 +273,7 @@ def without_duplicates(t: np.ndarray, n: int) -> np.ndarray:
     return t[first_duplicates(t, n) == np.arange(len(t))]
 
 
-def without_flat(p: np.ndarray, t: np.ndarray, tolerance: float, spare: bool = False) -> np.ndarray:
+def without_flat(p: np.ndarray, t: np.ndarray, tolerance: float, spare: bool) -> np.ndarray:
     """Remove the triangles without area; or `spare` those at edges of three or more triangles."""
     t = t[has_three_corners(t)]
     flat = collinear(*(p[t[:, c]] for c in range(3)), tolerance=tolerance)
@@ -336,7 +336,7 @@ def _inside_free_edges(
     loop[ends] = True
     near = t[loop[t].any(axis=1)]
     if len(near) == 0:
-        return free[:0], free[:0]
+        return free, free
     found = contacts(p, near, close_pairs(p, near, tolerance), tolerance).corners_on_edges
     found = found[loop[found[:, 0]]]
     n = len(p)

@@ -404,7 +404,7 @@ def test_nodes_on_a_line_in_space_are_refused():
             couple(point, y)
     with pytest.raises(np.linalg.LinAlgError, match="lie at one point"):
         couple(nodes(2), skin_points(2), flatness=1.0)  # as thick as they are long
-    with pytest.raises(np.linalg.LinAlgError, match="do not determine its rotation"):
+    with pytest.raises(np.linalg.LinAlgError, match="nodes with one coordinate do not rotate"):
         FlatCoupling(nodes(1), skin_points(1))
 
 

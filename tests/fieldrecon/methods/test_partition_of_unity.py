@@ -1,10 +1,10 @@
 """Partition-of-unity RBF: smoothness, accuracy, unusual point sets, memory and refusals."""
 
+import itertools
 import multiprocessing
 import re
 import tracemalloc
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from itertools import product
 
 import numpy as np
 import pytest
@@ -903,7 +903,7 @@ def test_singular_systems_have_the_solution_of_least_norm_and_least_squares():
     a /= np.linalg.norm(a, axis=1, keepdims=True)
     a = a @ a.T
     np.fill_diagonal(a, 1.0)
-    for q, unit in product((0, 2), (2.0**-30, 1.0, 2.0**30)):
+    for q, unit in itertools.product((0, 2), (2.0**-30, 1.0, 2.0**30)):
         p, f, g = rng.normal(size=(8, q)), rng.normal(size=(8, 3)), rng.normal(size=(q, 3))
         matrix = np.block([[unit * a, p], [p.T, np.zeros((q, q))]])
         found = solved(matrix[None], np.vstack([unit * f, g])[None], 8)[0]

@@ -285,6 +285,12 @@ def test_pixels_are_squares_of_the_longer_side_however_deep_the_box_is():
         np.testing.assert_allclose(view.lengths, depth)
 
 
+def test_a_view_of_one_pixel_is_refused():
+    """Nothing would show the size of its pixels."""
+    with pytest.raises(ValueError, match="pixels must be an integer, 2 or more; got 1"):
+        fr.solids.View.of_box([[0, 0, 0], [1, 1, 1]], (0, -1, 0), 1)
+
+
 def test_a_view_along_the_up_direction_is_refused():
     """If the view is parallel to `up`, the orientation of the picture is undetermined."""
     with pytest.raises(ValueError, match="parallel to the direction to the viewer"):

@@ -431,6 +431,13 @@ def test_smoothing_halves_waves_of_the_smoothing_length():
     assert remaining[2] > 0.9
 
 
+@pytest.mark.parametrize(("count", "says"), [(1, "1 point repeats"), (2, "2 points repeat")])
+def test_the_sentence_on_repeated_points_has_their_number(count, says):
+    points = cloud(TORUS, 100)[0]
+    given = as_clean_cloud(*[np.concatenate([points, points[:count]])] * 2)
+    assert given.warnings[0].startswith(f"{says} others and count")
+
+
 @pytest.mark.slow
 def test_repeated_points_and_outliers_are_skipped_and_reported():
     """They do not change the surface; the warnings give their numbers."""
