@@ -181,7 +181,8 @@ def the_form_is_positive_definite_with_the_order(kernel: Radial) -> None:
 
 
 def the_order_is_minimal(kernel: Radial) -> None:
-    """With one degree less, some λ must make the form negative."""
+    """It must not be negative; with one degree less, some λ must make the form negative."""
+    assert kernel.order >= 0
     if kernel.order > 0:
         for d in (1, 2, 3):
             assert lowest_eigenvalue(kernel, d, kernel.order - 2) < -1e-3

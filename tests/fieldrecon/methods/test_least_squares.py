@@ -10,7 +10,7 @@ from numpy.polynomial import Chebyshev
 from cases import CASES, Case, case
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.methods.least_squares import LeastSquares, normal_equations
-from fieldrecon.polynomials import dimension, monomials
+from fieldrecon.polynomials import dimension, exponents, monomials
 from fieldrecon.selection.leaving_one_out import leave_one_out
 from laws import assert_close, refused
 
@@ -51,6 +51,19 @@ def test_the_normal_equations_agree_near_the_origin(degree):
     c = normal_equations(POINTS, VALUES, degree)
     assert_close(method.matrix() @ c, b.T @ VALUES, EXACT)
     assert_close(method.coefficients(VALUES), c, 1e-6)
+    arrays = normal_equations(POINTS, np.multiply.outer(VALUES, np.eye(2)), degree)
+    assert_close(arrays, np.multiply.outer(c, np.eye(2)), EXACT)
+
+
+def test_the_matrix_is_formed_wherever_its_entries_are_numbers():
+    """In units of 2^-110 the smallest entries, of x^4 times x^4, are of the size 2^-880."""
+    unit = 2.0**-110
+    h = LeastSquares(POINTS * unit, 4).matrix()
+    powers = unit ** exponents(2, 4).sum(axis=1)
+    there = LeastSquares(POINTS, 4).matrix()
+    assert_close(h / powers / powers[:, None], there, 1e-12)
+    with refused("the matrix would leave the range", OverflowError):  # entries of B would not
+        LeastSquares(POINTS * 2.0**-130, 4).matrix()
 
 
 def test_data_that_are_zero_have_coefficients_and_an_objective_of_zero():

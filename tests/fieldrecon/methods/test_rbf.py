@@ -235,7 +235,9 @@ def test_the_far_field_grows_no_faster_than_the_polynomial():
     assert growth[-1] < 2 * growth[0]
     m, x = s.method, np.array([0.6, 0.8])
     of_weights = (m.weights, m.gradient_weights, partial(m.adjoint, f=[1.0]))
-    for distance, evaluations in ((1e6, (s, s.gradient)), (1e12, of_weights)):
+    units = 1.0, 1e-9, 1e9, [[1e-9, 0.0]]  # of the data, or of each of their components
+    of_data = [m.field(unit * VALUES[:, None]) for unit in units]
+    for distance, evaluations in ((1e6, (*of_data, s.gradient)), (1e12, of_weights)):
         for evaluate in evaluations:
             with pytest.raises(np.linalg.LinAlgError, match="rounding decides the value"):
                 evaluate(distance * x)
