@@ -10,7 +10,7 @@ from numpy.polynomial import Chebyshev
 from cases import CASES, Case, case
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.methods.least_squares import LeastSquares, normal_equations
-from fieldrecon.polynomials import dimension, exponents, monomials
+from fieldrecon.polynomials import EPS, dimension, exponents, monomials
 from fieldrecon.selection.leaving_one_out import leave_one_out
 from laws import assert_close, refused
 
@@ -40,6 +40,18 @@ def test_the_basis_is_orthonormal_with_an_outlier():
     assert_close(method.field(np.ones(61))(x), np.ones(2), EXACT)
     assert_close(method.weights(x).sum(axis=1), np.ones(2), EXACT)
     assert_close(method.weights(points).sum(axis=1), np.ones(61), 1e-14)
+
+
+def test_values_beside_a_strip_are_refused_from_where_rounding_decides_them():
+    """That is where the absolute weights sum to 1e-4 of what rounds to all; they grow like y^2."""
+    strip = np.random.default_rng(5).random((1000, 2)) * [1.0, 1e-6]
+    method, beside = LeastSquares(strip, 2), np.array([[0.5, 1e-3]])
+    total = np.abs(method.weights(beside)).sum()
+    kept, lost = (beside * [1.0, np.sqrt(part / EPS / total)] for part in (2e-5, 5e-4))
+    for evaluate in (method.field(np.ones(1000)), method.weights):
+        assert_close(evaluate(kept).sum(), 1.0, 1e-4)
+        with refused("rounding decides the value at", np.linalg.LinAlgError):
+            evaluate(lost)
 
 
 @pytest.mark.parametrize("degree", [0, 1, 2, 3])
