@@ -48,8 +48,11 @@ def test_values_beside_a_strip_are_refused_from_where_rounding_decides_them():
     method, beside = LeastSquares(strip, 2), np.array([[0.5, 1e-3]])
     total = np.abs(method.weights(beside)).sum()
     kept, lost = (beside * [1.0, np.sqrt(part / EPS / total)] for part in (2e-5, 5e-4))
-    for evaluate in (method.field(np.ones(1000)), method.weights):
-        assert_close(evaluate(kept).sum(), 1.0, 1e-4)
+    s = method.field(np.ones(1000))
+    for values in (s, method.weights):
+        assert_close(values(kept).sum(), 1.0, 1e-4)
+    for evaluate in (s, s.gradient, s.hessian, method.weights, method.gradient_weights):
+        assert np.isfinite(evaluate(kept)).all()
         with refused("rounding decides the value at", np.linalg.LinAlgError):
             evaluate(lost)
 

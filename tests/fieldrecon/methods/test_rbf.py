@@ -567,6 +567,16 @@ def test_weights_that_rounding_decides_are_refused(kernel, width):
     assert_close(smoothed.weights(x) @ p, x, 1e-5)
 
 
+def test_a_narrow_kernel_may_be_too_flat_within_clusters():
+    """Its values at the distances of the clusters are nothing, those near zero decide."""
+    p = three_clusters(0.05)
+    m = RBF(p, gaussian(0.1))
+    assert not m.interpolates
+    for question in (lambda: m.weights(p), lambda: m.field(np.random.default_rng(4).random(90))):
+        with refused("would miss its data by about .* too flat", np.linalg.LinAlgError):
+            question()
+
+
 def test_a_fit_that_exceeds_memory_is_refused():
     """The error is raised before allocation; the message has the size and the alternative."""
     p = np.random.default_rng(9).random((1_500_000, 1))
