@@ -23,7 +23,7 @@ from laws import all_monomials, assert_close, assert_obeyed
 
 EXACT = 1e-13
 DIFFERENCE = 1e-8
-RADII = np.concatenate([np.linspace(0.01, 1.5, 40), [1e-8, 1e-4, 3.0, 10.0]])
+RADII = np.concatenate([np.linspace(0.01, 1.5, 40), [1e-8, 1e-4, 0.5, 1.0, 3.0, 10.0]])
 
 RADIAL: dict[str, Radial] = {name: k(1.0) for name, k in (KERNELS | WEIGHTS).items()}
 RADIAL |= {f"r^{k}": polyharmonic(k) for k in (6, 7, 8)}
@@ -181,7 +181,8 @@ def the_form_is_positive_definite_with_the_order(kernel: Radial) -> None:
 
 
 def the_order_is_minimal(kernel: Radial) -> None:
-    """With one degree less, some λ must make the form negative."""
+    """It must not be negative; with one degree less, some λ must make the form negative."""
+    assert kernel.order >= 0
     if kernel.order > 0:
         for d in (1, 2, 3):
             assert lowest_eigenvalue(kernel, d, kernel.order - 2) < -1e-3
@@ -315,6 +316,7 @@ def test_values_are_finite_and_continuous_for_tiny_distances(kernel):
     r = np.array([0.0, 1e-300, 1e-200, 1e-100, 1e-20])
     assert np.isfinite(kernel(r)).all()
     assert np.isfinite(kernel.slope(r)).all()
+    assert np.isfinite(kernel.slope_of_squared(r * r)).all()
     assert_close(kernel(r) - kernel(1e-20), np.zeros(5), 1e-5)
     at_zero, near, far = kernel.slope(np.array([0.0, 1e-12, 1e-6]))
     if abs(far - near) < 1e-3 * abs(far):  # the slope has a limit

@@ -54,6 +54,15 @@ def test_unit_vectors_and_principal_longitudes(lon, lat, turns):
     assert np.degrees(np.arcsin(np.clip(unit[2], -1, 1))) == pytest.approx(lat, abs=1e-5)
 
 
+def test_unit_vectors_at_whole_quarters_are_exact():
+    """Also after many turns."""
+    quarters = np.arange(-400, 401)
+    x, y, z = to_unit(np.column_stack([90.0 * quarters, np.zeros(801)])).T
+    assert np.array_equal(x, np.array([1, 0, -1, 0])[quarters % 4])
+    assert np.array_equal(y, np.array([0, 1, 0, -1])[quarters % 4])
+    assert not z.any()
+
+
 def test_chords_equal_the_haversine_formula():
     """The distance in space is 2 sin(angle / 2)."""
     (l1, b1), (l2, b2) = np.radians(SITES[:150].T), np.radians(SITES[150:].T)

@@ -10,7 +10,7 @@ from numpy.polynomial import Chebyshev
 from cases import CASES, Case, case
 from fieldrecon.datasets.synthetic import halton
 from fieldrecon.methods.least_squares import LeastSquares, normal_equations
-from fieldrecon.polynomials import dimension, monomials
+from fieldrecon.polynomials import EPS, dimension, exponents, monomials
 from fieldrecon.selection.leaving_one_out import leave_one_out
 from laws import assert_close, refused
 
@@ -42,6 +42,21 @@ def test_the_basis_is_orthonormal_with_an_outlier():
     assert_close(method.weights(points).sum(axis=1), np.ones(61), 1e-14)
 
 
+def test_values_beside_a_strip_are_refused_from_where_rounding_decides_them():
+    """That is where the absolute weights sum to 1e-4 of what rounds to all; they grow like y^2."""
+    strip = np.random.default_rng(5).random((1000, 2)) * [1.0, 1e-6]
+    method, beside = LeastSquares(strip, 2), np.array([[0.5, 1e-3]])
+    total = np.abs(method.weights(beside)).sum()
+    kept, lost = (beside * [1.0, np.sqrt(part / EPS / total)] for part in (2e-5, 5e-4))
+    s = method.field(np.ones(1000))
+    for values in (s, method.weights):
+        assert_close(values(kept).sum(), 1.0, 1e-4)
+    for evaluate in (s, s.gradient, s.hessian, method.weights, method.gradient_weights):
+        assert np.isfinite(evaluate(kept)).all()
+        with refused("rounding decides the value at", np.linalg.LinAlgError):
+            evaluate(lost)
+
+
 @pytest.mark.parametrize("degree", [0, 1, 2, 3])
 def test_the_normal_equations_agree_near_the_origin(degree):
     """H_LS c = BᵀV with H_LS = BᵀB, p. 5."""
@@ -51,6 +66,19 @@ def test_the_normal_equations_agree_near_the_origin(degree):
     c = normal_equations(POINTS, VALUES, degree)
     assert_close(method.matrix() @ c, b.T @ VALUES, EXACT)
     assert_close(method.coefficients(VALUES), c, 1e-6)
+    arrays = normal_equations(POINTS, np.multiply.outer(VALUES, np.eye(2)), degree)
+    assert_close(arrays, np.multiply.outer(c, np.eye(2)), EXACT)
+
+
+def test_the_matrix_is_formed_wherever_its_entries_are_numbers():
+    """In units of 2^-110 the smallest entries, of x^4 times x^4, are of the size 2^-880."""
+    unit = 2.0**-110
+    h = LeastSquares(POINTS * unit, 4).matrix()
+    powers = unit ** exponents(2, 4).sum(axis=1)
+    there = LeastSquares(POINTS, 4).matrix()
+    assert_close(h / powers / powers[:, None], there, 1e-12)
+    with refused("the matrix would leave the range", OverflowError):  # entries of B would not
+        LeastSquares(POINTS * 2.0**-130, 4).matrix()
 
 
 def test_data_that_are_zero_have_coefficients_and_an_objective_of_zero():

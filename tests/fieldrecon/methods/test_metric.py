@@ -143,6 +143,18 @@ def test_wrong_metrics_are_refused(make):
             make(X, metric=matrix)
 
 
+def test_a_matrix_that_is_singular_up_to_rounding_is_refused():
+    """Without distances along a diagonal of space; with an eigenvalue above rounding it is none."""
+    rng = np.random.default_rng(3)
+    for d in (2, 3, 5, 8, 12, 40):
+        for _ in range(5):
+            along = rng.choice([-1.0, 1.0], d) / np.sqrt(d)
+            flat = np.eye(d) - np.outer(along, along)
+            with refused("metric must be positive definite", np.linalg.LinAlgError):
+                as_metric(flat, d)
+            assert not as_metric(flat + 1e-12 * np.eye(d), d).flags.writeable
+
+
 def test_a_metric_that_flattens_the_sites_is_named():
     """In its distances they lie on a line; patches of them keep what a line determines."""
     for make in (MAKES["RBF"], MAKES["nearest sites"]):

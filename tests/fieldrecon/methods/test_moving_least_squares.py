@@ -688,6 +688,25 @@ def test_a_query_with_collinear_neighbours_is_named():
         m.field(np.ones(50))([0.5, 0.0])
 
 
+def test_sites_within_a_support_that_lie_on_a_line_up_to_rounding_are_refused():
+    """Their coordinates, a million away, are rounded by 1e-7 of the length of the line."""
+    line = 1e-3 * np.outer(np.arange(10.0), [0.1, 0.1 / 3])
+    points = np.vstack([line, 1 + 1e-3 * POINTS]) + 1e6
+    m = MovingLeastSquares(points, wendland(2, 1, 2e-3))
+    assert_close(m.weights(points[10:]).sum(axis=1), np.ones(30), EXACT)
+    with refused("the 10 sites that count .* do not .*: rank 2 of 3", np.linalg.LinAlgError):
+        m.weights(points[[20, 4, 30]])
+
+
+def test_a_query_is_not_refused_for_the_number_of_others():
+    """Two rows of sites at a distance of a thousand roundings determine a plane, to five digits."""
+    i = np.arange(10.0)
+    rows = np.column_stack([i / 8, i / 8 + 2.0**-42 * (i % 2)])
+    points = np.vstack([rows, 5 + POINTS])
+    s = MovingLeastSquares(points, wendland(2, 1, 2.0)).field(points @ [1.0, 2.0])
+    assert_close(s(np.full((5000, 2), 0.4)), np.full(5000, 1.2), 1e-5)
+
+
 def test_points_on_a_line_are_refused_before_any_query():
     """No query could be evaluated."""
     with refused("the points do not determine a polynomial of degree 1", np.linalg.LinAlgError):

@@ -32,12 +32,13 @@ SPACES = [(d, degree) for d in (1, 2, 3, 5) for degree in (-1, 0, 1, 2, 3, 4)]
 
 @pytest.mark.parametrize(("d", "degree"), SPACES)
 def test_exponents_are_complete_and_sorted_by_total_degree(d, degree):
-    """There are C(degree + d, d) exponents, each once, the constant first."""
+    """There are C(degree + d, d) exponents, each once, the constant first; nobody changes them."""
     alpha = [tuple(a) for a in exponents(d, degree)]
     expected = {a for a in product(range(degree + 1), repeat=d) if sum(a) <= degree}
     assert set(alpha) == expected
     assert len(alpha) == len(expected) == dimension(d, degree)
     assert [sum(a) for a in alpha] == sorted(sum(a) for a in alpha)
+    assert not exponents(d, degree).flags.writeable
 
 
 def test_the_linear_basis_is_that_of_the_slides():

@@ -20,6 +20,7 @@ from fieldrecon.kernels.conditionally_positive_definite import (
 )
 from fieldrecon.kernels.positive_definite import gaussian, inverse_multiquadric, wendland
 from fieldrecon.kernels.weights import inverse_square
+from fieldrecon.methods import solvability
 from fieldrecon.methods.functionals import values_at
 from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.least_squares import LeastSquares
@@ -236,10 +237,14 @@ def test_the_far_field_grows_no_faster_than_the_polynomial():
     assert growth[-1] < 2 * growth[0]
     m, x = s.method, np.array([0.6, 0.8])
     of_weights = (m.weights, m.gradient_weights, partial(m.adjoint, f=[1.0]))
-    for distance, evaluations in ((1e6, (s, s.gradient)), (1e12, of_weights)):
+    units = 1.0, 1e-9, 1e9, [[1e-9, 0.0]]  # of the data, or of each of their components
+    of_data = [m.field(unit * VALUES[:, None]) for unit in units]
+    for distance, evaluations in ((1e6, (*of_data, s.gradient)), (1e12, of_weights)):
         for evaluate in evaluations:
             with pytest.raises(np.linalg.LinAlgError, match="rounding decides the value"):
                 evaluate(distance * x)
+    with pytest.raises(np.linalg.LinAlgError, match="rounding decides the value"):
+        RBF(POINTS, multiquadric(0.25)).field(VALUES)(1e14 * x)
 
 
 def test_weights_are_no_better_than_their_own_rounding():
@@ -559,14 +564,17 @@ def test_weights_that_rounding_decides_are_refused(kernel, width):
     A field of smooth data is still computed, and so are weights with smoothing.
     """
     p, x = three_clusters(width), QUERIES
-    m = RBF(p, kernel)
+    m, hermite = RBF(p, kernel), HermiteRBF(values_at(p), kernel)
+    assert not hermite.interpolates
+    signs = np.random.default_rng(4).choice([-1.0, 1.0], len(p))
     for question in (
         lambda: m.weights(p),
         lambda: m.gradient_weights(x),
         lambda: m.adjoint(x, np.cos(np.arange(20))),
-        lambda: HermiteRBF(values_at(p), kernel).weights(p),
-        lambda: HermiteRBF(values_at(p), kernel).adjoint(x, np.cos(np.arange(20))),
-        lambda: m.field(np.random.default_rng(4).choice([-1.0, 1.0], len(p))),
+        lambda: hermite.weights(p),
+        lambda: hermite.adjoint(x, np.cos(np.arange(20))),
+        lambda: hermite.field(signs),
+        lambda: m.field(signs),
     ):
         with refused("would miss its data by about .* too flat", np.linalg.LinAlgError):
             question()
@@ -575,11 +583,34 @@ def test_weights_that_rounding_decides_are_refused(kernel, width):
     assert_close(smoothed.weights(x) @ p, x, 1e-5)
 
 
+def test_a_narrow_kernel_may_be_too_flat_within_clusters():
+    """Its values at the distances of the clusters are nothing, those near zero decide."""
+    p = three_clusters(0.05)
+    m = RBF(p, gaussian(0.1))
+    assert not m.interpolates
+    for question in (lambda: m.weights(p), lambda: m.field(np.random.default_rng(4).random(90))):
+        with refused("would miss its data by about .* too flat", np.linalg.LinAlgError):
+            question()
+
+
 def test_a_fit_that_exceeds_memory_is_refused():
     """The error is raised before allocation; the message has the size and the alternative."""
     p = np.random.default_rng(9).random((1_500_000, 1))
     with refused("a global fit of 1500000 points needs a matrix of 16764 GiB", MemoryError):
         RBF(p, gaussian(0.1))
+    with mock.patch.object(solvability, "memory_limit", return_value=8 * 40**2):
+        assert RBF(POINTS[:30], gaussian(0.1)).interpolates
+        with refused("a global fit of 39 points needs a matrix", MemoryError):
+            RBF(POINTS[:39], gaussian(0.1))
+
+
+def test_the_roughest_data_are_signs():
+    """Of size one, the same every time, and as independent as a coin."""
+    signs = solvability.random_signs(400, 3)
+    assert (np.abs(signs) == 1).all()
+    assert np.array_equal(signs, solvability.random_signs(400, 3))
+    assert_close(signs.T @ signs / 400, np.eye(3), 0.2)
+    assert np.abs(signs.mean(axis=0)).max() < 0.2
 
 
 def test_dense_weights_beyond_the_limit_are_refused():

@@ -309,3 +309,4 @@ def test_wrong_entries_are_refused(make):
     m = make(X, kernel, smoothing=own)
     own[:] = 7.0
     assert np.array_equal(m.smoothing, EACH)
+    assert not m.smoothing.flags.writeable

@@ -59,6 +59,16 @@ def test_the_pole_may_be_one_of_the_earth(pole):
     assert np.linalg.norm(flat[1]) == pytest.approx(np.linalg.norm(near - pole))
 
 
+def test_every_point_but_the_antipode_of_the_pole_has_a_projection():
+    """At any distance the chord is kept; the antipode would be a circle and is finite."""
+    pole, t = to_unit([10.0, 50.0]), np.linspace(0.0, 3.1, 32)[:, None]
+    units = np.cos(t) * pole + np.sin(t) * to_unit([100.0, 0.0])
+    chords = np.linalg.norm(units - pole, axis=1)
+    flat = in_tangent_plane(units, pole)
+    np.testing.assert_allclose(np.linalg.norm(flat, axis=1), chords, atol=1e-12)
+    assert np.isfinite(in_tangent_plane(-np.eye(3)[2:], np.eye(3)[2])).all()
+
+
 @each_method
 def test_derivatives_equal_differences(method):
     """Gradients and second derivatives by degrees; the Laplacian is the one on the sphere."""
@@ -129,6 +139,8 @@ def test_points_and_poles_of_another_length_are_refused():
     assert OnTangentPlane(units.round(6), fr.LeastSquares, pole=units[0].round(6)).degree == 0
     with pytest.raises(ValueError, match=r"points must be of length one, .* is of length 3$"):
         OnTangentPlane(np.vstack([units, 3 * units[:1]]), fr.LeastSquares)
+    with pytest.raises(ValueError, match=r"pole must be of length one, .* is of length 1.00001$"):
+        OnTangentPlane(units, fr.LeastSquares, pole=1.00001 * units[0])
     with pytest.raises(ValueError, match=r"pole must be .* \(1, 2, 3\) is of length 3.74166$"):
         OnTangentPlane(units, fr.LeastSquares, pole=[1, 2, 3])
     with pytest.raises(ValueError, match=r"pole must be one unit vector \(3,\); got .* \(1, 3\)"):

@@ -152,13 +152,14 @@ def test_residuals_of_data_of_any_kind():
         refit = HermiteRBF(method.functionals[others], method.kernel).field(data[others])
         expected = data[i] - refit.apply(method.functionals[i : i + 1])[0]
         assert_close(residuals[i] / expected, 1.0, 1e-7)
-    slopes = HermiteRBF(
-        [values_at([[0.0]]), derivatives_at([[0.0], [1.0]], [1.0])], polyharmonic(3)
-    )
-    with refused(
-        r"without point 0, \(0\), the others do not .* rank 1 of 2", np.linalg.LinAlgError
+    slopes = derivatives_at([[0.0], [1.0]], [1.0])
+    for kinds, i, place in (
+        ([values_at([[0.0]]), slopes], 0, "0"),
+        ([slopes, values_at([[2.0]])], 2, "2"),
     ):
-        leave_one_out(slopes, np.ones(3))
+        words = rf"without point {i}, \({place}\), the others do not .* rank 1 of 2"
+        with refused(words, np.linalg.LinAlgError):
+            leave_one_out(HermiteRBF(kinds, polyharmonic(3)), np.ones(3))
 
 
 # --- refusals -------------------------------------------------------------------------------------
