@@ -114,11 +114,9 @@ def _require_positive_definite(m: np.ndarray) -> None:
             f"metric must be symmetric; metric[{i}, {j}] is {m[i, j]:g} and metric[{j}, {i}] is "
             f"{m[j, i]:g}"
         )
-    try:
-        pivots = np.diagonal(np.linalg.cholesky(m)) ** 2
-    except np.linalg.LinAlgError:
-        pivots = np.zeros(len(m))
-    if not (pivots > 4 * len(m) * EPS * np.abs(np.diagonal(m))).all():
+    # relative to the diagonal, so that the units of the coordinates and their order do not matter
+    unit = np.sqrt(np.maximum(np.diagonal(m), 0.0))
+    if not unit.all() or np.linalg.eigvalsh(m / unit / unit[:, None])[0] <= 4 * len(m) * EPS:
         least = np.linalg.eigvalsh(m)[0]
         raise np.linalg.LinAlgError(
             f"metric must be positive definite; its least eigenvalue is {least:.3g}, and its "

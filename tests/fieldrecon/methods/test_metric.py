@@ -155,6 +155,16 @@ def test_a_matrix_that_is_singular_up_to_rounding_is_refused():
             assert not as_metric(flat + 1e-12 * np.eye(d), d).flags.writeable
 
 
+@pytest.mark.parametrize("d", [2, 3, 4, 6])
+def test_the_order_and_units_of_coordinates_do_not_make_a_singular_matrix_a_metric(d):
+    """A random direction without distance, which may be short along any of the axes."""
+    rng = np.random.default_rng(d)
+    for _ in range(50):
+        a = rng.standard_normal((d, d - 1)) * 10.0 ** rng.uniform(-3, 3, (d, 1))
+        with refused("metric must be positive definite", np.linalg.LinAlgError):
+            as_metric(a @ a.T, d)
+
+
 def test_a_metric_that_flattens_the_sites_is_named():
     """In its distances they lie on a line; patches of them keep what a line determines."""
     for make in (MAKES["RBF"], MAKES["nearest sites"]):
