@@ -7,6 +7,7 @@ import pytest
 
 import fieldrecon as fr
 from fieldrecon.io.clouds import read_cloud
+from fieldrecon.io.obj import read_obj
 from fieldrecon.io.ply import read_elements, read_ply
 from fieldreport.experiments.triangles.triangle_shapes import sphere
 
@@ -109,6 +110,17 @@ def test_normals_are_taken_from_triangles_if_the_file_has_none(tmp_path):
         assert cloud.normals_of == "triangles in the file"
         n = cloud.normals / np.linalg.norm(cloud.normals, axis=1, keepdims=True)
         assert np.einsum("ij,ij->i", n, cloud.points).min() > 0.95
+
+
+@pytest.mark.parametrize("count", [3, 4, 5])
+def test_an_obj_file_with_one_normal_for_each_vertex_has_them(tmp_path, count):
+    """With another number of them it is not known which vertex has which."""
+    lines = [f"v {x} {y} {z}" for x, y, z in POINTS[:4]]
+    lines += [f"vn {x} {y} {z}" for x, y, z in -POINTS[:count]]
+    (tmp_path / "a.obj").write_text("\n".join([*lines, "f 1 2 3", "f 2 3 4"]))
+    mesh = read_obj(tmp_path / "a.obj")
+    np.testing.assert_array_equal(mesh.points, POINTS[:4])
+    assert [a.tolist() for a in mesh.point_data.values()] == [(-POINTS[:4]).tolist()] * (count == 4)
 
 
 @pytest.mark.parametrize("suffix", [".xyz", ".csv", ".npz"])

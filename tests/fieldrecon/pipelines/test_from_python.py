@@ -911,6 +911,7 @@ def test_scans_and_audits_make_pages(tmp_path):
     page = scan.report(tmp_path / "a.html", {"edge": 0.1}).read_text()
     assert page.count("<img") == 1
     assert "300 of 300 points of points in memory" in page
+    assert re.search(r"edge</t[dh]>\s*<td[^>]*>0.1<", page)
     found = audit((scan.points, scan.mesh.triangles[1:]), repair=True)
     page = found.report(tmp_path / "b.html").read_text()
     assert page.count("<img") == 1

@@ -183,7 +183,7 @@ def test_shades_run_from_dark_to_light_around_the_colour_of_the_method(count):
 def test_the_truth_is_a_thin_line_without_markers():
     """Curves of methods lie beside it; keywords of the caller come last."""
     with style():
-        assert line("truth")["linewidth"] < mpl.rcParams["lines.linewidth"]
+        assert 0 < line("truth")["linewidth"] < mpl.rcParams["lines.linewidth"]
     assert line("truth")["marker"] == ""
     assert "linewidth" not in line("MLS")
     assert line("MLS", label="mine", marker="")["label"] == "mine"
