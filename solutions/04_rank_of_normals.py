@@ -549,11 +549,11 @@ check("04.6")
 # *conic* contains all vertices: no ellipse, parabola, hyperbola, pair of lines or single line.
 # Write the rank on the right-hand side of (4.6).
 #
-# As in 04.2 the rank must depend neither on the origin nor on the unit of length. Scale the
-# vertices to an extent of about one before you form the squares, and count singular values below
-# $10^{-9}$ as zero. There are two vertices or more. They may even be on a line, although no star
-# is. Their extents in $x$ and in $y$ are of similar size. So you may divide both coordinates by the
-# same number, or each coordinate by its own.
+# As in 04.2 the rank must depend neither on the origin nor on the unit of length. Before you form
+# the squares, move the mean of the vertices to the origin and scale them to an extent of about one.
+# Count singular values below $10^{-9}$ as zero. There are two vertices or more. They may even be on
+# a line, although no star is. Their extents in $x$ and in $y$ are of similar size. So you may
+# divide both coordinates by the same number, or each coordinate by its own.
 
 
 # %% question="04.7" minutes=15

@@ -514,7 +514,8 @@ def rings_around(vertex):
 #
 # Write $\mathbf{B}'$ of (5.6). The matrix is that of 04.1. New is the origin, which is the vertex
 # and no longer fixed: so the first two unknowns are the velocity at the vertex, wherever the mesh
-# lies. If you have written 04.1, copy it into the cell and call it. For which points?
+# lies. If you have written 04.1, copy it into the cell and call it. Think of the points that you
+# give to it.
 
 
 # %% question="05.7" minutes=10
@@ -555,7 +556,8 @@ check("05.7")
 # singular. `numpy.linalg.lstsq` still returns a solution, the *minimum-norm solution*: among all
 # that fit equally well, the $\mathbf{c}$ of least norm. Its arguments are the matrix and the
 # right-hand side of (5.7), not of the normal equations. Its default tolerance, with `rcond=None`,
-# is suitable: singular values that are rounding errors count as zero.
+# is suitable: singular values that are rounding errors count as zero. That of `numpy.linalg.pinv`
+# is smaller, and may be too small.
 #
 # </details>
 
@@ -658,10 +660,10 @@ def reconstruction(rings, epsilon, seed):
 # Write a function that returns the rank of $\mathbf{B}'$ at every vertex of a mesh. In 04.2 the
 # samples of one vertex were given. New here are the samples, which your functions select for each
 # vertex, and the scaling: the points are not scaled, but each column of $\mathbf{B}'$ is divided by
-# its norm. Count singular values below $10^{-6}$ as zero: far from the origin the rounding errors
-# are close to the tolerance of 04.2. The rank must depend neither on the position of the mesh nor
-# on the unit of length: a mesh in millimetres has the same ranks as one in metres. Every point is a
-# corner of at least one triangle.
+# its norm. Count singular values below $10^{-6}$ as zero, however large the others are: far from
+# the origin the rounding errors are close to $10^{-9}$, the tolerance of 04.2. The rank must depend
+# neither on the position of the mesh nor on the unit of length: a mesh in millimetres has the same
+# ranks as one in metres. Every point is a corner of at least one triangle.
 #
 # <details><summary>Hint</summary>
 #

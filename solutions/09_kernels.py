@@ -337,8 +337,9 @@ def both_sides(k):
 # rounding errors do. In a small box $x_1^2$ is tiny compared to the monomial 1. Far from the origin
 # the columns of $\mathbf{P}$ are nearly multiples of each other. So first shift the points to the
 # mean zero, and divide all coordinates by one number, their size, such as the largest absolute
-# value of a coordinate. Then treat singular values of $\mathbf{P}$ of at most $10^{-10}$ times the
-# largest one as zero. With fewer points than columns there are fewer singular values than columns.
+# value of a coordinate then. Now treat singular values of $\mathbf{P}$ of at most $10^{-10}$ times
+# the largest one as zero. With fewer points than columns there are fewer singular values than
+# columns.
 #
 # <details><summary>Hint</summary>
 #
@@ -415,8 +416,9 @@ def six_points(out):
 # and the degree $n$ are arguments. For $n = -1$ there is no polynomial. The degree may also be
 # lower than the order requires. The given points are distinct and such that (9.3) has exactly one
 # solution; there may be as few points as monomials. Their coordinates may be some hundreds. Do not
-# change the unit of length: with too low a degree, it changes the field. `saddle_point_matrix`
-# combines the two blocks of the matrix; you state the blocks and the right side.
+# change the unit of length: for even powers and too low a degree, it changes the field.
+# `saddle_point_matrix` combines the two blocks of the matrix; you state the blocks and the right
+# side.
 #
 # <details><summary>Hint</summary>
 #

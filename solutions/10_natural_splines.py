@@ -677,7 +677,7 @@ def pythagoras(size):
 #
 # Knots may coincide; a quotient with the denominator zero counts as zero, as in the function of the
 # next cell. Knots may also be far from the origin. There are $n - k - 1$ B-splines of the degree
-# $k$. By (10.11) all of them are zero at the last knot, $x = t_n$.
+# $k$, here one at least. By (10.11) all of them are zero at the last knot, $x = t_n$.
 #
 # *Example.* For the knots $0, 1, 2$ the only B-spline of degree 1 is the hat function: $x$ on
 # $[0, 1)$ and $2 - x$ on $[1, 2)$.

@@ -382,7 +382,7 @@ def neither_shifted_nor_scaled(points, degree):
 @answers("09.3")
 def nearly_vanishing_counted(points, degree):
     """Polynomials that nearly vanish at the points are counted, too. Only singular values below
-    10⁻¹⁰ times the largest one count as zero.
+    10⁻¹⁰ times the largest one count as zero. The eigenvalues of PᵀP are their squares.
     """
     return space(degree) - rank_of(full(own_box(points), degree), 1e-5)
 

@@ -21,6 +21,14 @@ def factors_not_halved(sites, alpha, beta):
 
 
 @answers("10.1")
+def nothing_halved(sites, alpha, beta):
+    """The coefficients and the change of the line are twice too large. By (10.3) a truncated cube
+    is half of the cube of the distance plus half of an ordinary cube.
+    """
+    return converted(sites, alpha, beta, half=1.0, constant=-1.0, slope=3.0)
+
+
+@answers("10.1")
 def line_left_as_it_is(sites, alpha, beta):
     """The coefficients are halved, but the line is unchanged. The halves of the ordinary cubes do
     not vanish: their cubic and quadratic terms do by (10.2), and the other two terms form a line.
@@ -700,7 +708,7 @@ def root_taken(sites, M):
 @answers("10.6")
 def half_of_the_energy(sites, M):
     """This is half of the energy. Mechanics has a factor ½ in front of the integral; (10.9) has
-    none.
+    none. And the integral of the square of a linear function is a third, not a sixth.
     """
     p, q = M[:-1], M[1:]
     return np.diff(sites) @ (p * p + p * q + q * q) / 6

@@ -545,6 +545,18 @@ def first_part_only(points, triangles):
 
 
 @answers("14.6")
+def other_parts_unchanged(points, triangles):
+    """Only the part of the first triangle was treated, and all other signs remained +1. Each part
+    needs a first triangle of its own.
+    """
+    found = list(walk(triangles, lambda t, s, alike: alike))
+    result = assembled(len(triangles), found[:1])
+    for part, *_ in found[1:]:
+        result[list(part)] = 1
+    return result
+
+
+@answers("14.6")
 def all_zero_if_one_part_is(points, triangles):
     """One part that is not orientable made all signs zero. Each part must be treated
     separately.

@@ -6,6 +6,7 @@ The judge sees calls and outcomes, and never the function itself.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -89,8 +90,11 @@ def judge(
         if finding == "wrong":
             count = _number_in_form(question, calls, outcomes)
             values = _values(question, calls[:count], outcomes[:count])
+            right = answers.right[:count]
             found = pattern(
-                question, calls[:count], values, answers.right[:count], are_all=count == len(calls)
+                *(question, calls[:count], values, right),
+                are_all=count == len(calls),
+                in_order=not any(map(partial(_is_in_any_order, question), calls[:count], right)),
             )
             sentence = _joined(sentence, found)
     return Verdict(question.name, finding, sentence, call=call)
@@ -443,6 +447,11 @@ def _off(deviation: float, tolerance: float) -> str:
     if not np.isfinite(deviation) or deviation == round(deviation):
         return ""
     return f"This is off by {deviation:.2g}; rounding explains {tolerance:.0e}."
+
+
+def _is_in_any_order(question: Question, call: Call, right: Values) -> bool:
+    """Return whether some of the returned arrays may come in another order."""
+    return any(_order_is_open(question, call, right, part) for part in range(len(right)))
 
 
 def _order_is_open(question: Question, call: Call, right: Values, part: int) -> bool:

@@ -125,6 +125,7 @@ def pattern(
     values: Sequence[Values],
     right: Sequence[Values],
     are_all: bool = True,
+    in_order: bool = True,
 ) -> str:
     """Return what the wrong values have in common, in one or two sentences, or nothing.
 
@@ -138,6 +139,8 @@ def pattern(
         The returned and the right arrays of each call, of the same shapes.
     are_all : bool
         Whether these are all calls, so that it can be said which of them are right.
+    in_order : bool
+        Whether the rows are compared in the order in which they were returned.
     """
     cases = [
         Case(
@@ -156,12 +159,14 @@ def pattern(
     if not wrong:
         return ""
     # A wrong rank is no multiple of the right one, even if it happens to be twice as large, and in
-    # special cases only it is too small by one for any reason.
+    # special cases only it is too small by one for any reason. A wrong sign has another sign.
     rank = _are_single_whole_numbers(right)
-    arithmetic = tuple(map(_from_the_corner, (_zero, *(() if rank else (_factor,)), _signs)))
+    signs = all(np.isin(value, (-1, 0, 1)).all() for values in right for value in values)
+    kinds_of_numbers = (_zero, *(() if rank else (_factor,)), *(() if signs else (_signs,)))
+    arithmetic = tuple(map(_from_the_corner, kinds_of_numbers))
     offset = () if rank and 2 * len(wrong) <= len(cases) else (_offset,)
     of_numbers = () if are_truth_values(right) else (*arithmetic, *offset)
-    kinds = (*of_numbers, _outputs, _order, _positions)
+    kinds = (*of_numbers, _outputs, _order, *((_positions,) if in_order else ()))
     found = (
         _integers(cases, wrong)
         or _single_precision(cases, wrong)

@@ -752,6 +752,16 @@ def test_an_index_is_reported_only_where_the_order_is_given():
         assert words in judge(question, asked, outcomes, known).sentence
 
 
+@pytest.mark.parametrize("open_order", [False, True])
+def test_the_only_wrong_row_is_named_only_where_the_order_is_given(open_order):
+    right = np.array([[1.5, 2.0], [0.5, 7.0], [3.5, 1.0]])
+    asked, known = (Call("edges", (), "a mesh"),), Answers([(right,)], ())
+    outcomes = [Outcome("returned", values=(right + np.outer([0, 0, 1], [0.3, 0.7]),))]
+    form = (lambda _, v: tuple(map(answers.rows_sorted, v))) if open_order else unchanged
+    question = Question("99.1", "edges", 1, lambda _: asked, lambda _: ((3, 2),), normal_form=form)
+    assert ("Only row" in judge(question, asked, outcomes, known).sentence) != open_order
+
+
 @pytest.mark.parametrize(("name", "says"), [("14.7", True), ("01.4", False)])
 def test_only_answers_that_are_all_true_or_false_are_told_as_such(name, says):
     """A wrong rank is off by one; a wrong truth value must be the other one."""

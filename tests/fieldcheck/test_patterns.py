@@ -240,6 +240,13 @@ def test_a_pattern_is_reported(change, sentence):
     assert of_table(change) == sentence
 
 
+def test_that_signs_differ_in_sign_is_not_told():
+    """A number that is −1, 0 or 1 is hardly wrong in another way."""
+    right = [(np.sign(table),) for (table,) in (call.arguments for call in CALLS)]
+    values = [(one(signs, (0, 0), -2 * signs[0, 0]),) for (signs,) in right]
+    assert "sign" not in pattern(TABLE, CALLS, values, right)
+
+
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [

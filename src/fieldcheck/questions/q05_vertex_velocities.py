@@ -94,7 +94,7 @@ def neighbour_of_valence_three(triangles: np.ndarray) -> int:
 
 @law_of_each(
     "Every edge that ends in the vertex must be in its ring.",
-    amount="the number of missing edges is {:.0f}",
+    amount="the number of missing edges at the vertex is {:.0f}",
 )
 def holds_the_spokes(call: Call, values: Values) -> float:
     """Return the number of edges at the vertex that are not selected."""

@@ -272,7 +272,8 @@ def stars(random: np.random.Generator) -> Iterator[Call]:
         yield Call("interpolate", (points, random.normal(size=n), k, degree, x), case, exact=(0,))
 
 
-@law_of_each("The field must go through the values.", 1e-8)
+# a solution that is cut off misses the values a little, and the side conditions by much more
+@law_of_each("The field must go through the values.", 1e-6)
 def interpolates_the_values(call: Call, values: Values) -> float:
     (points, wanted, *_), (f,) = call.arguments, values
     return relative(f[-len(points) :] - wanted, wanted)
