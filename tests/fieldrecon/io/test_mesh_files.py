@@ -6,7 +6,7 @@ import meshio
 import numpy as np
 import pytest
 
-from fieldrecon.io.mesh_content import divided, face_blocks
+from fieldrecon.io.mesh_content import MeshContent, divided, face_blocks
 from fieldrecon.io.meshes import read_mesh, read_mesh_and_data, read_surface, write_mesh
 from fieldrecon.io.ply import read_ply
 from fieldrecon.meshes.simplex_mesh import SimplexMesh
@@ -22,6 +22,15 @@ def mesh_in(d: int) -> SimplexMesh:
 
 def corner_sets(mesh: SimplexMesh) -> set:
     return {frozenset(map(tuple, corners)) for corners in mesh.points[mesh.cells].tolist()}
+
+
+def test_the_faces_of_a_mesh_do_not_include_its_solid_cells():
+    """A quad is two triangles; a block without cells is none."""
+    cells = [("tetra", [[0, 1, 2, 3]]), ("quad", [[0, 1, 3, 2]]), ("triangle", np.empty((0, 3)))]
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    content = MeshContent(square, [(kind, np.array(c, dtype=int)) for kind, c in cells])
+    assert content.face_triangles().shape == (2, 3)
+    assert {*content.face_triangles().ravel()} == {0, 1, 2, 3}
 
 
 @pytest.mark.parametrize("suffix", [*WITH_DATA, ".ply", ".obj", ".off"])

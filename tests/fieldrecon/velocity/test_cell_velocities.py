@@ -387,3 +387,10 @@ def test_one_cell_does_not_determine_an_affine_field():
     words = "the 1 circumcentres that count about vertex 0 do not determine an affine field"
     with pytest.raises(np.linalg.LinAlgError, match=words):
         vertex_velocities_from_cells(mesh, np.zeros((1, 2)))
+
+
+def test_a_number_for_each_of_two_cells_in_the_plane_is_no_velocity():
+    """There are as many numbers as a velocity has components."""
+    square = SimplexMesh([[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 1, 2], [0, 2, 3]])
+    with pytest.raises(ValueError, match="u must have 2 components for each cell"):
+        vertex_velocities_from_cells(square, [1.0, 2.0])
