@@ -411,6 +411,14 @@ def not_squared(points, values, coefficients):
 
 
 @answers("01.6")
+def summed_before_squaring(points, values, coefficients):
+    """The residuals are added, and the sum is squared, so residuals of opposite signs cancel. In
+    (1.3) each of them is squared first.
+    """
+    return 0.5 * np.sum(basis(points) @ coefficients - values) ** 2
+
+
+@answers("01.6")
 def of_the_values(points, values, coefficients):
     """This is half the sum of the squared fitted values. In (1.3) the values V are subtracted
     before the norm is taken.

@@ -340,10 +340,20 @@ def edges_at_the_vertex_only(triangles, edges, vertex, rings):
 @answers("05.6")
 def both_ends_in_the_ring(triangles, edges, vertex, rings):
     """Some of these edges belong to no triangle of the ring, though both their ends are vertices of
-    it. Compare edges as pairs, not end by end. Draw a vertex beside one with three triangles.
+    it. A triangle of the ring has a corner in the ring before. Draw a vertex beside one with three
+    triangles.
     """
     corners = list(triangles_in_ring(triangles, vertex, rings)[1])
     return np.isin(edges, corners).all(axis=1)
+
+
+@answers("05.6")
+def in_another_order(triangles, edges, vertex, rings):
+    """These are the right edges in the order of the sorted edges. An entry must belong to the edge
+    in the same row of the argument `edges`.
+    """
+    order = np.lexsort(np.sort(edges, axis=1).T[::-1])
+    return edges_in_ring(triangles, edges, vertex, rings)[order]
 
 
 @answers("05.6")

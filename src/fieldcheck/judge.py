@@ -44,7 +44,8 @@ CLEARLY = 10.0
 """Beside stored values, which have twelve digits, a law must be violated so much more by others."""
 
 NOT_FINITE = (
-    " NumPy says this of NaN or infinite entries: look for a division by zero before this line."
+    " NumPy says this of NaN or infinite entries: look for a division by zero in or before this "
+    "line."
 )
 ADVICE = {
     "Cannot cast ufunc": (
@@ -280,7 +281,8 @@ def _wrong(
     for index, law in product(failed, violated):
         deviation = _deviation_alone(law, calls, values, right, index)
         if not deviation <= (law.tolerance if law.of_each else _limit(law, calls, right)):
-            if index != first and is_far_off and law.of_each:
+            is_near = max(map(_largest, units[index])) <= NEAR
+            if index != first and is_far_off and (law.of_each or is_near):
                 violated = []
                 break
             text = law.amount and f"For {calls[index].case}, {law.amount.format(deviation)}."

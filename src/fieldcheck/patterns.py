@@ -463,8 +463,10 @@ def _positions(wrong: Sequence[Case]) -> str:
     """Recognize that only one entry, row or column is wrong, or right, and always the same one."""
     if len(wrong[0].right) > 1:
         return ""
-    each = [_statements(case.differ(case.values[0], case.right[0])) for case in wrong]
-    sentence = next((s for s in each[0] if all(s in others for others in each)), "")
+    differ = [case.differ(case.values[0], case.right[0]) for case in wrong]
+    each = [[*_statements(one), *_of_the_only_one(one)] for one in differ]
+    told = _statements(max(differ, key=np.size))
+    sentence = next((s for s in told if all(s in others for others in each)), "")
     is_by_size = sentence.endswith("right.") and not all(map(_right_by_themselves, wrong))
     return "" if is_by_size else sentence
 
@@ -474,6 +476,13 @@ def _right_by_themselves(case: Case) -> bool:
     (v,), (r,) = case.values, case.right
     right = ~case.differ(v, r)
     return case.same(v[right], r[right])
+
+
+def _of_the_only_one(wrong: np.ndarray) -> list[str]:
+    """Return what holds for the only row, column or entry, which is the last one, too."""
+    names = {1: ["entry"], 2: ["row", "column"]}.get(wrong.ndim, ())
+    single = (name for name, n in zip(names, wrong.shape, strict=False) if n == 1)
+    return [f"Only the last {name} is wrong." for name in single if wrong.any()]
 
 
 def _statements(wrong: np.ndarray) -> list[str]:

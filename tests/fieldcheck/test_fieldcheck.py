@@ -349,10 +349,10 @@ def test_the_solution_with_an_error_in_its_last_case_is_told_the_error(number):
     "function", [np.linalg.svd, lambda a: np.linalg.lstsq(a, a), np.linalg.eigvalsh, np.linalg.eig]
 )
 def test_an_error_of_numpy_for_nan_is_explained(function):
-    """The named line is right; the division by zero is before it."""
+    """The named line need not be wrong; the division by zero is in it or before it."""
     verdict = verdict_of(lambda _: function(np.full((3, 3), np.nan)), known())
     assert verdict.finding == "exception"
-    assert verdict.sentence.endswith("look for a division by zero before this line.")
+    assert verdict.sentence.endswith("look for a division by zero in or before this line.")
 
 
 def test_slow_and_endless_answers_lose_points():

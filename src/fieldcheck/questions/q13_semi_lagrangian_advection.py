@@ -357,8 +357,8 @@ def constants_stay(calls: Sequence[Call], values: Sequence[Values]) -> float:
 
 
 @law(
-    "In the solid rotation, an affine field must be carried exactly from the departure points of "
-    "RK4: the reconstruction has no error."
+    "In the solid rotation, each step of Δt must carry an affine field exactly from the departure "
+    "points of RK4: the reconstruction has no error."
 )
 def affine_fields_rotate(calls: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of an affine field from its values at the sites rotated step by step."""

@@ -184,7 +184,7 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
         Call("flat", (points[: small.size], small, 0.0), "the tolerance zero"),
         *(
             Call("flat", (size * points[: small.size], small, size * 1e-3), case)
-            for size, case in ((1e-9, "triangles in gigametres"), (1e-12, "tiny triangles"))
+            for size, case in ((1e-9, "triangles of the size 10⁻⁸"), (1e-12, "tiny triangles"))
         ),
         Call(
             "flat",
