@@ -699,7 +699,7 @@ def test_sites_within_a_support_that_lie_on_a_line_up_to_rounding_are_refused():
 
 
 def test_a_query_is_not_refused_for_the_number_of_others():
-    """Two rows of sites at a distance of a thousand roundings determine a plane, to three digits."""
+    """Two rows of sites, a thousand roundings apart, determine a plane to three digits."""
     i = np.arange(10.0)
     rows = np.column_stack([i / 8, i / 8 + 2.0**-42 * (i % 2)])
     points = np.vstack([rows, 5 + POINTS])
