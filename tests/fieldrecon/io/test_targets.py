@@ -1,6 +1,7 @@
 """Target points and the files of their values: what is written can be read back."""
 
 import csv
+from dataclasses import replace
 
 import meshio
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 from scipy.io import netcdf_file
 
 import fieldrecon as fr
+from fieldrecon.io.frames import Frame
 from fieldrecon.io.targets import (
     Targets,
     TargetValues,
@@ -309,3 +311,13 @@ def test_targets_may_be_the_vertices_of_a_mesh(tmp_path):
     assert np.array_equal(targets_of_mesh(tmp_path / "s.ply", 3).points, SOLID.points)
     with pytest.raises(ValueError, match="holds a surface in space"):
         targets_of_mesh(tmp_path / "s.ply", 2)
+
+
+def test_axes_of_complex_numbers_are_no_coordinates():
+    """A picture of a complex spectrum may have such."""
+    axes = {"x": np.arange(3) + 0j, "y": np.arange(2.0)}
+    frame = Frame("the data set", ["x", "y"], lambda names: [axes[n] for n in names], axes=axes)
+    with pytest.raises(ValueError, match="x must be an array of real numbers"):
+        targets_of_table(frame, ("x", "y"))
+    real = replace(frame, axes={name: axis.real for name, axis in axes.items()})
+    assert targets_of_table(real, ("x", "y")).points.shape == (6, 2)
