@@ -265,7 +265,7 @@ def test_a_font_in_the_wheel_is_a_whole_font(face):
 
 
 def opentype(count, name="", tags=(b"CFF ", b"name")):
-    """A file of so many tables, padded to four bytes; its CFF table has names, of which one."""
+    """An OpenType file with `count` tables and this font name among those of its CFF table."""
     size, names = 2, [name.encode(), b"other", b"names"]
     ends = np.cumsum([1, *map(len, names)]).tolist()
     cff = bytes([1, 0, 5, 4, 0]) + struct.pack(">HB4H", len(names), size, *ends)

@@ -189,7 +189,7 @@ def test_where_the_residuals_vanish_the_roughness_is_a_thousandth():
 
 
 def test_where_many_samples_coincide_the_roughness_is_that_of_all_near_by():
-    """Their distances are zero, and so is that of the next sample."""
+    """The distances between these samples are zero, so they have no spacing of their own."""
     points = np.concatenate([np.zeros((40, 2)), fr.datasets.uniform(40, 2, seed=0) + 5])
     rough = module._Roughness(points, np.repeat([2.0, 1.0], 40))
     assert rough(np.zeros((1, 2))) == pytest.approx(np.sqrt(4 / 2.5), rel=1e-5)
