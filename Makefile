@@ -112,7 +112,7 @@ $(peers)/ready-bench: requirements-bench.lock requirements.lock pyproject.toml
 mutation := $(VENV)-mutation
 
 check-tests: $(mutation)/ready-mutation ## test the tests with 200 mutants of the library, in an hour; SEED=1, COUNT=200
-	@$(mutation)/bin/python tools/mutation.py $(if $(SEED),--seed $(SEED)) $(if $(COUNT),--count $(COUNT))
+	@$(mutation)/bin/python -m tools.mutation $(if $(SEED),--seed $(SEED)) $(if $(COUNT),--count $(COUNT))
 
 $(mutation)/ready-mutation: requirements-mutation.lock requirements.lock pyproject.toml
 	@PYTHON="$(PYTHON)" sh tools/setup.sh "$(mutation)" -r $<

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from settled_page import settled_page
+
 STATIC = Path(__file__).parents[2] / "docs" / "site" / "static"
 SUM = "<mi>x</mi>" + "<mo>+</mo><mi>x</mi>" * 7
 SHORT = "<mi>x</mi>" + "<mo>+</mo><mi>x</mi>" * 3
@@ -46,8 +48,7 @@ def test_a_formula_is_broken_only_where_the_screen_is_too_narrow(
         f'<script src="{script}"></script>'
     )
     context = browser.new_context(viewport={"width": width, "height": 800}, offline=True)
-    page = context.new_page()
-    page.goto((tmp_path / "one.html").as_uri())
+    page = settled_page(context, tmp_path / "one.html")
     shown = page.locator("math").evaluate(MEASURE)
     context.close()
     assert (shown["rows"], shown["cut"]) == (rows, False)

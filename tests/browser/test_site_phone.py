@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from settled_page import settled_page
+
 STATIC = Path(__file__).parents[2] / "docs" / "site" / "static"
 FIGURE = """<section class="chapter"><figure>
 <svg class="picture" style="width:100%" viewBox="0 0 440 200">
@@ -40,9 +42,7 @@ def open_page(browser, tmp_path):
         )
         viewport = {"width": width, "height": 800}
         contexts.append(browser.new_context(viewport=viewport, offline=True))
-        page = contexts[-1].new_page()
-        page.goto((tmp_path / "one.html").as_uri())
-        return page
+        return settled_page(contexts[-1], tmp_path / "one.html")
 
     yield open_in
     for context in contexts:
