@@ -235,8 +235,9 @@ print("Bᵀλ:", three_b.T @ three_lambda)
 # %% [markdown]
 # ### 03.2 The matrix
 #
-# Write $\mathbf{H}_{\mathrm{RBF}}$. How many rows does it have? Some points may be equal, there
-# may be fewer than $D + 1$ points, and they may be far from the origin.
+# Write $\mathbf{H}_{\mathrm{RBF}}$. How many rows does it have? Some points may be equal, there may
+# be fewer than $D + 1$ points, and they may be far from the origin, up to $10^5$ times as far as
+# from each other.
 #
 # <details><summary>Hint</summary>
 #
@@ -307,7 +308,7 @@ check("03.3")
 # ### 03.4 The field
 #
 # Evaluate (3.2) at many evaluation points at once. Some of them may be centres. The coefficients
-# need not satisfy (3.4), and all points may be far from the origin.
+# need not satisfy (3.4), and all points may be far from the origin, as in 03.2.
 
 
 # %% question="03.4" minutes=5

@@ -604,9 +604,10 @@ def under_the_pointer(x):
 #
 # Write a function that returns the coordinates (7.10) of many points. They must be accurate inside
 # the cell, on its edges, in its corners and outside, also on the extension of an edge. At no given
-# point is the sum in (7.10) zero. The cell may be far from the origin and may have any size, such
-# as $10^{-9}$. (Such a small cell has at most ten neighbours: a product of many more tiny $h_b$ is
-# rounded to zero.) The circumcentres are not arguments, since (7.10) does not need them.
+# point is the sum in (7.10) zero. The cell may be far from the origin, up to $10^6$ times its size,
+# and may have any size, such as $10^{-9}$. (Such a small cell has at most ten neighbours: a product
+# of many more tiny $h_b$ is rounded to zero.) The circumcentres are not arguments, since (7.10)
+# does not need them.
 #
 # <details><summary>Hint</summary>
 #

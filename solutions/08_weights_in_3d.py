@@ -205,7 +205,7 @@ print(edge_lengths(np.array([1, 1, 1]), np.array([[3, 1, 1], [1, 4, 5]])))
 # Write a function that returns $V$ of (8.3). A volume must be positive for every order of the
 # corners. The tetrahedron may be nearly flat, and three of its corners may lie nearly on a line.
 # Here and in the other questions of this notebook the points may have any unit of length and may be
-# far from the origin, so use differences of points.
+# far from the origin, up to $10^9$ times as far as from each other, so use differences of points.
 
 
 # %% question="08.1" minutes=15

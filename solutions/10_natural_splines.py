@@ -293,7 +293,8 @@ def your_spline(height):
 # ### 10.3 The moments
 #
 # Write a function that solves this *tridiagonal system*. From here on the sites are in ascending
-# order. They may be far from the origin. With two sites only, all moments are zero.
+# order. They may be far from the origin, some $10^4$ times as far as from each other. With two
+# sites only, all moments are zero.
 #
 # <details><summary>Hint</summary>
 #
@@ -693,7 +694,8 @@ def quotient(top, bottom):
 # ### 10.7 B-splines
 #
 # Write a function that returns all B-splines of a degree: a row for each point, a column for each
-# $i$. The knots may have any unit of length, and may be far from the origin.
+# $i$. The knots may have any unit of length, and may be far from the origin, up to $10^9$ times as
+# far as from each other.
 #
 # <details><summary>Hint</summary>
 #

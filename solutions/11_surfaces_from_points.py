@@ -190,8 +190,8 @@ print(spacing(example))
 # ### 11.1 Normals and planarity
 #
 # Return the normals and the planarity of all points. The points are such that all eigenvalues but
-# the smallest are positive. The cloud may be far from the origin, and the unit of length may be
-# any.
+# the smallest are positive. The unit of length may be any, and the cloud may be far from the
+# origin, up to $10^8$ times its size.
 #
 # <details><summary>Hint</summary>
 #
@@ -261,7 +261,7 @@ def estimated(k, noise):
 # ### 11.2 Neighbourhood graph
 #
 # Return $g$. There are at least $K$ points, and no two neighbours are equally far from a point. The
-# unit of length may be any, and the cloud may be far from the origin.
+# unit of length may be any, and the cloud may be far from the origin, as in 11.1.
 
 
 # %% question="11.2" minutes=15
@@ -452,7 +452,8 @@ def oriented(k):
 #
 # Return $\delta$ and $\delta'$ for each point. Each side has its own test. The normals have the
 # length 1, and the unit of length may be any. The distance is positive. The cloud has two points or
-# more, of which no two are equal, and no tested point has two nearest points.
+# more, of which no two are equal, and no tested point has two nearest points. It may be far from
+# the origin, up to $10^8$ times as far as its points are from each other.
 
 
 # %% question="11.4" minutes=20
@@ -524,8 +525,9 @@ check("11.5")
 # ### 11.6 The function and its gradient
 #
 # Return $F$ and its gradient at the points $\mathbf{x}$. Points and sites may be far from the
-# origin. What is the gradient of $r^3$ with $r = \lVert \mathbf{x} - \mathbf{s} \rVert$? Avoid
-# division by $r$, since $\mathbf{x}$ may be a site.
+# origin, up to $10^9$ times as far as from each other. What is the gradient of $r^3$ with
+# $r = \lVert \mathbf{x} - \mathbf{s} \rVert$? Avoid division by $r$, since $\mathbf{x}$ may be a
+# site.
 #
 # Test your gradient by differences before you run the check: $\partial F / \partial x_1$ at
 # $\mathbf{x}$ should agree with $\big(F(\mathbf{x} + h \mathbf{e}_1) - F(\mathbf{x} - h

@@ -187,9 +187,9 @@ print(nearest_node(line, np.array([[0.4], [1.7]])))
 # ### 12.1 The weights
 #
 # Return $\mathbf{H}$. The function must work on a line, in the plane and in space, and in any unit
-# of length. In the plane the
-# nodes do not all lie on one line, and in space they do not all lie in one plane. The argument
-# `points` contains the $\mathbf{y}_i$.
+# of length. In the plane the nodes do not all lie on one line, and in space they do not all lie in
+# one plane. They are near the origin, at most some ten times as far as from each other. The
+# argument `points` contains the $\mathbf{y}_i$.
 #
 # <details><summary>Hint</summary>
 #
@@ -494,9 +494,9 @@ check("12.6")
 #
 # ### 12.7 The slopes
 #
-# Return the derivatives $\mathbf{G}^k$, in any dimension and any unit of length. In (12.2) only
-# $\mathbf{b}$ depends on $\mathbf{y}$. Its derivative with respect to the coordinate $y_k$ has the
-# entries
+# Return the derivatives $\mathbf{G}^k$, in any dimension and any unit of length, for nodes as in
+# 12.1. In (12.2) only $\mathbf{b}$ depends on $\mathbf{y}$. Its derivative with respect to the
+# coordinate $y_k$ has the entries
 #
 # - $3 \lVert \mathbf{y} - \mathbf{x}_j \rVert\, (y_k - x_{jk})$ for $j = 1, \dots, N$,
 # - then 0, the derivative of the entry 1,

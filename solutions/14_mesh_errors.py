@@ -86,7 +86,7 @@ def connected(n, links):
 # The next cell draws surfaces. Run it; you need not read it.
 
 # %%
-from fieldcheck.questions.q14_mesh_errors import (
+from fieldcheck.surfaces import (
     ball,
     band,
     book,

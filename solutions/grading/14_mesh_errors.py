@@ -3,7 +3,8 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q14_mesh_errors import (
+from fieldcheck.questions.q14_mesh_places import copies, crowds, thin
+from fieldcheck.surfaces import (
     TRIANGLE,
     alike,
     ball,
@@ -20,7 +21,6 @@ from fieldcheck.questions.q14_mesh_errors import (
     unjoined,
     without,
 )
-from fieldcheck.questions.q14_mesh_places import copies, crowds, thin
 from fieldgrade.authoring.hidden_cases import hidden
 
 

@@ -13,7 +13,8 @@ import numpy as np
 
 from fieldcheck.answers import Answers
 from fieldcheck.calls import LIST, MATRIX, Call, Outcome, Values
-from fieldcheck.patterns import FAR_OFF, are_truth_values, pattern
+from fieldcheck.compared import FAR_OFF, are_truth_values
+from fieldcheck.patterns import pattern
 from fieldcheck.question import LEAST_TOLERANCE, Law, Question, scale
 from fieldcheck.shapes import (
     ORDINALS,

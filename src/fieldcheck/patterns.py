@@ -6,16 +6,17 @@ case, so it is true whatever the code of the student.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from itertools import permutations
 
 import numpy as np
 
 from fieldcheck.answers import rows_sorted
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import LEAST_TOLERANCE, Question, scale
+from fieldcheck.compared import Case, are_single_whole_numbers, are_truth_values, compared
+from fieldcheck.question import Question, scale
 from fieldcheck.shapes import ORDINALS
+from fieldcheck.which_cases import integers, single_precision, sizes, which
 
 CLOSE = 1e-6
 """Relative difference of factors that count as equal."""
@@ -38,82 +39,8 @@ FACTORS = {
 NEARLY_ONE = 1e-3
 """Factors this close to one may be rounding errors, which have another factor in each case."""
 
-LOST = 1e-3
-"""Relative errors below this one are no decimals that an array of integers has lost."""
-
 FEWEST_NUMBERS = 3
 """Fewest numbers of which a factor without a name is reported: two are often views of one."""
-
-FEWEST_ROWS = 4
-"""Tables of up to so many rows are special: their points may just determine the coefficients."""
-
-FAR_OFF = 100.0
-"""Errors of this many times the tolerance are no rounding errors."""
-
-HERE = "Among the inputs of this check, your values are"
-"""What holds for these inputs need not hold for all others."""
-
-OTHERS_RIGHT = "Your values are right for all other inputs of this check."
-"""What is special in the only wrong one need not be the reason, so it is not named again."""
-
-SPACES = {1: "on a line", 2: "in the plane", 3: "in space"}
-"""Where points with so many coordinates are; wider tables contain something else."""
-
-
-@dataclass(frozen=True, eq=False)
-class Case:
-    """The returned and the right arrays of a call, in normal form.
-
-    `rows` and `dimension` are the numbers of rows and columns of the first table among the
-    arguments, whose rows are points in most questions; `whole` contains the positions of the arrays
-    of integers. `moved` states whether the normal form is relative to the first corner, and
-    `single` whether the returned numbers are those of float32.
-    """
-
-    name: str
-    rows: int
-    dimension: int
-    whole: frozenset[int]
-    values: Values
-    right: Values
-    tolerance: float
-    moved: bool
-    single: bool
-
-    @property
-    def pairs(self) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """The returned and the right array, one pair after the other."""
-        return zip(self.values, self.right, strict=True)
-
-    def differ(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """Return where two arrays of one shape differ by more than the tolerance."""
-        return ~(np.abs(a - b) <= self.tolerance * scale(b))
-
-    @property
-    def is_right_whole(self) -> bool:
-        """Whether all right values are integers."""
-        return all((r == np.rint(r)).all() for r in self.right)
-
-    @property
-    def is_far_off(self) -> bool:
-        """Whether some value differs by many times the tolerance."""
-        limit = FAR_OFF * self.tolerance
-        return any((~(np.abs(v - r) <= limit * scale(r))).any() for v, r in self.pairs)
-
-    @property
-    def is_exact(self) -> bool:
-        """Whether no value differs by more than a small part of the tolerance."""
-        limit = self.tolerance / FAR_OFF
-        return all((np.abs(v - r) <= limit * scale(r)).all() for v, r in self.pairs)
-
-    def same(self, a: np.ndarray, b: np.ndarray) -> bool:
-        """Return whether two arrays are equal within the tolerance."""
-        return a.shape == b.shape and not self.differ(a, b).any()
-
-    def right_if(self, changed: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> bool:
-        """Return whether the values are right once `changed(value, right)` replaces them."""
-        return all(self.same(changed(v, r), r) for v, r in self.pairs)
-
 
 Kind = Callable[[Sequence[Case]], str]
 """A pattern: the sentence if all wrong cases have it, else nothing."""
@@ -142,25 +69,13 @@ def pattern(
     in_order : bool
         Whether the rows are compared in the order in which they were returned.
     """
-    cases = [
-        Case(
-            call.case,
-            *_first_table(call),
-            frozenset(k for k, a in enumerate(call.arguments) if _is_whole(a)),
-            question.normal_form(call, v),
-            question.normal_form(call, r),
-            max(question.tolerance(call), LEAST_TOLERANCE),
-            any(z.any() for z in question.normal_form(call, tuple(map(np.zeros_like, r)))),
-            _are_single(v),
-        )
-        for call, v, r in zip(calls, values, right, strict=True)
-    ]
+    cases = [compared(question, *each) for each in zip(calls, values, right, strict=True)]
     wrong = [case for case in cases if not case.right_if(lambda v, _: v)]
     if not wrong:
         return ""
     # A wrong rank is no multiple of the right one, even if it happens to be twice as large, and in
     # special cases only it is too small by one for any reason. A wrong sign has another sign.
-    rank = _are_single_whole_numbers(right)
+    rank = are_single_whole_numbers(right)
     signs = all(np.isin(value, (-1, 0, 1)).all() for values in right for value in values)
     kinds_of_numbers = (_zero, *(() if rank else (_factor,)), *(() if signs else (_signs,)))
     arithmetic = tuple(map(_from_the_corner, kinds_of_numbers))
@@ -168,12 +83,14 @@ def pattern(
     of_numbers = () if are_truth_values(right) else (*arithmetic, *offset)
     kinds = (*of_numbers, _outputs, _order, *((_positions,) if in_order else ()))
     found = (
-        _integers(cases, wrong)
-        or _single_precision(cases, wrong)
+        integers(cases, wrong)
+        or single_precision(cases, wrong)
         or next(filter(None, (kind(wrong) for kind in kinds)), "")
     )
-    where = _where(cases, wrong) or ("" if found else _sizes(cases, wrong)) if are_all else ""
-    return " ".join(filter(None, (where, found)))
+    if not are_all:
+        return found
+    some = which(cases, wrong, bool(_order(wrong))) or ("" if found else sizes(cases, wrong))
+    return " ".join(filter(None, (some, found)))
 
 
 def _from_the_corner(kind: Kind) -> Kind:
@@ -186,128 +103,6 @@ def _from_the_corner(kind: Kind) -> Kind:
         return f"Seen from the first corner, {sentence[0].lower()}{sentence[1:]}"
 
     return found
-
-
-def _are_single(values: Values) -> bool:
-    """Whether all numbers are those of float32."""
-    with np.errstate(over="ignore"):
-        return all((v.astype(np.float32) == v).all() for v in values)
-
-
-def are_truth_values(answers: Sequence[Values]) -> bool:
-    """Whether all values of all answers are 0 or 1, so that none is too large by an amount."""
-    return all(np.isin(value, (0, 1)).all() for values in answers for value in values)
-
-
-def _are_single_whole_numbers(answers: Sequence[Values]) -> bool:
-    """Whether no answer is an array or has decimals, as with a rank or a number of pieces."""
-    return all(v.ndim == 0 and float(v).is_integer() for values in answers for v in values)
-
-
-def _where(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
-    """Recognize a single wrong case, or a single right one.
-
-    The values zero are right by chance, and so may be a single number of something, those for the
-    fewest points, and values with an error: two points are always neighbours, one square may happen
-    to have the right orientation, and large coordinates hide small errors.
-    """
-    right = [case for case in cases if case not in wrong]
-    if len(wrong) == 1 < len(cases):
-        return OTHERS_RIGHT
-    if not all(case.is_exact for case in right):
-        return ""
-    if len(right) == 1:
-        is_special = 0 < right[0].rows <= FEWEST_ROWS and all(
-            case.rows > right[0].rows for case in wrong
-        )
-        is_zero = not any(r.any() for r in right[0].right)
-        is_number = _are_single_whole_numbers([case.right for case in cases])
-        is_chance = is_special or is_zero or is_number or bool(_order(wrong))
-        return "" if is_chance else f"{HERE} right only for {right[0].name}."
-    return _dimensions({case.dimension for case in right}, {case.dimension for case in wrong})
-
-
-def _first_table(call: Call) -> tuple[int, int]:
-    tables = (a for a in call.arguments if isinstance(a, np.ndarray) and a.ndim == 2)
-    return next((table.shape for table in tables), (0, 0))
-
-
-def _dimensions(right: set[int], wrong: set[int]) -> str:
-    """Recognize that all cases are right up to a dimension, and all others are wrong."""
-    if not right or not right | wrong <= SPACES.keys() or max(right) >= min(wrong):
-        return ""
-    below, above = (" and ".join(SPACES[d] for d in sorted(these)) for these in (right, wrong))
-    return f"{HERE} right {below}, and wrong {above}."
-
-
-def _sizes(cases: Sequence[Case], wrong_cases: Sequence[Case]) -> str:
-    """Recognize that all short tables are wrong and all long ones are right, or the opposite.
-
-    Small errors say nothing: whether they are above the tolerance is chance. Neither do right cases
-    of few points, which may just determine the coefficients, or one more, which may be special.
-    """
-    right_cases = [case for case in cases if case not in wrong_cases]
-    right, wrong = ({case.rows for case in these} for these in (right_cases, wrong_cases))
-    if not right or 0 in right | wrong or not all(case.is_far_off for case in wrong_cases):
-        return ""
-    if not all(case.is_exact for case in right_cases):
-        return ""
-    if len(right) == 1:
-        return ""  # such as the triangles among polygons, which are special
-    if sum(case.rows > FEWEST_ROWS for case in right_cases) < 2:
-        return ""
-    if max(wrong) < min(right):
-        these, others = f"{min(right)} or more", f"{max(wrong)} or fewer"
-    elif max(right) < min(wrong):
-        these, others = f"{max(right)} or fewer", f"{min(wrong)} or more"
-    else:
-        return ""
-    return f"{HERE} right where the first table has {these} rows, and wrong where it has {others}."
-
-
-def _is_whole(argument: object) -> bool:
-    return isinstance(argument, np.ndarray) and argument.dtype.kind in "iu"
-
-
-def _integers(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
-    """Recognize that the wrong cases are those in which an argument is an array of integers.
-
-    Where the right values are integers, too, an array of integers loses nothing.
-    """
-    right = [case.whole for case in cases if case not in wrong and not case.is_right_whole]
-    always = frozenset.intersection(*(case.whole for case in wrong))
-    if not (right and always.difference(*right)):
-        return ""
-    cut = all(
-        case.same(v, r) or ((v == np.trunc(v)) & (np.abs(v - r) < 1)).all()
-        for case in wrong
-        for v, r in case.pairs
-    )
-    if cut:
-        return (
-            "Where an argument is an array of integers, the decimals are lost. An array that "
-            "`np.zeros_like` makes from it holds integers only; `np.zeros(a.shape)` holds decimals."
-        )
-    if len(wrong) == 1:
-        return ""
-    only = "Your values are wrong only where an argument is an array of integers."
-    if not all((np.abs(v - r) <= LOST * scale(r)).all() for case in wrong for v, r in case.pairs):
-        only += (
-            " Do you divide with `//`, or store decimals in an array of integers, such as "
-            "`np.zeros_like` makes?"
-        )
-    return only
-
-
-def _single_precision(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
-    """Recognize right values that are rounded to float32, which makes most cases wrong."""
-    close = 2 * len(wrong) > len(cases) and all(
-        case.single and all((np.abs(v - r) <= 1e-4 * scale(r)).all() for v, r in case.pairs)
-        for case in wrong
-    )
-    if not close:
-        return ""
-    return "The wrong values have the seven digits of float32: compute with float64."
 
 
 def _zero(wrong: Sequence[Case]) -> str:

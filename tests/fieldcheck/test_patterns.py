@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from fieldcheck.calls import Call
-from fieldcheck.patterns import HERE, OTHERS_RIGHT, pattern
+from fieldcheck.patterns import pattern
 from fieldcheck.question import Question
 from fieldcheck.simplices import relative_to_a_corner
+from fieldcheck.which_cases import HERE, OTHERS_RIGHT
 
 
 def inputs(seed):

@@ -5,7 +5,7 @@ import pytest
 
 from checkout import ROOT
 from fieldcheck.datasets import kleopatra
-from fieldcheck.questions.q14_mesh_errors import (
+from fieldcheck.surfaces import (
     ball,
     band,
     book,

@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values
 from fieldcheck.question import Question, law
-from fieldcheck.questions.q14_mesh_errors import (
+from fieldcheck.surfaces import (
     Surface,
     ball,
     band,
