@@ -188,8 +188,9 @@ print("residual:", three_b @ three_c - three_values)
 # %% [markdown]
 # ### 01.2 The coefficients
 #
-# Write a function that returns the coefficients $\mathbf{c}$ of the best fit. For all
-# inputs of the check the solution of (1.4) is unique.
+# Write a function that returns the coefficients $\mathbf{c}$ of the best fit. For all inputs of the
+# check the solution of (1.4) is unique. The points are near the origin, and may be close together:
+# as close as $10^{-6}$.
 #
 # <details><summary>Hint</summary>
 #

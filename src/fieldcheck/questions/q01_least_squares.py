@@ -168,14 +168,14 @@ def on_the_line_and_constant(random: np.random.Generator) -> tuple[Call, ...]:
 
 def other_units_and_numbers(random: np.random.Generator) -> tuple[Call, ...]:
     """Return points in another unit of length, an outlier, and arrays of integers."""
-    small, thin = (1e-5 * cloud(random, 14, d) for d in (2, 3))
+    small, thin = (1e-6 * cloud(random, 14, d) for d in (2, 3))
     plane, space = cloud(random, 18, 2), cloud(random, 16, 3)
     outlier = 100.0 * np.eye(18)[7]
     integers, more = whole(random, 9, 2), whole(random, 10, 3)
     return calls_of(
         "fit",
-        ((small, random.normal(size=14)), "fourteen points in a square of 10⁻⁵"),
-        ((thin, random.normal(size=14)), "fourteen points in a cube of 10⁻⁵"),
+        ((small, random.normal(size=14)), "fourteen points in a square of 10⁻⁶"),
+        ((thin, random.normal(size=14)), "fourteen points in a cube of 10⁻⁶"),
         ((plane, random.normal(size=18) + outlier), "one value far from the others"),
         ((space, random.normal(size=16) + outlier[2:]), "one value far from the others, in space"),
         ((integers, random.normal(size=9)), "nine points of the plane, integers"),
