@@ -660,10 +660,11 @@ def reconstruction(rings, epsilon, seed):
 # Write a function that returns the rank of $\mathbf{B}'$ at every vertex of a mesh. In 04.2 the
 # samples of one vertex were given. New here are the samples, which your functions select for each
 # vertex, and the scaling: the points are not scaled, but each column of $\mathbf{B}'$ is divided by
-# its norm. Count singular values below $10^{-6}$ as zero, however large the others are: far from
-# the origin the rounding errors are close to $10^{-9}$, the tolerance of 04.2. The rank must depend
-# neither on the position of the mesh nor on the unit of length: a mesh in millimetres has the same
-# ranks as one in metres. Every point is a corner of at least one triangle.
+# its norm. Count singular values below $10^{-6}$ as zero, however large the others are (none lies
+# between $10^{-7}$ and $10^{-5}$): far from the origin the rounding errors are close to $10^{-9}$,
+# the tolerance of 04.2. The rank must depend neither on the position of the mesh nor on the unit of
+# length: a mesh in millimetres has the same ranks as one in metres. Every point is a corner of at
+# least one triangle.
 #
 # <details><summary>Hint</summary>
 #

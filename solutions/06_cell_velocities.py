@@ -355,8 +355,8 @@ check("06.3")
 # ### 06.4 The circumcentre
 #
 # Write a function that returns $\mathbf{O}$. It must keep its accuracy for a triangle far from the
-# origin, and for a triangle of any size, also a small one far from the origin. The three corners
-# never lie on one line.
+# origin, and for a triangle of any size from $10^{-12}$ to $10^{12}$, also a small one far from the
+# origin. The three corners never lie on one line.
 #
 # <details><summary>Hint</summary>
 #

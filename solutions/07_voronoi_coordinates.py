@@ -345,7 +345,7 @@ check("07.3")
 # corners are an argument. The number $N$ of neighbours may be any number from 3 on, and the
 # neighbours may be listed clockwise or counter-clockwise. The point may lie outside the cell; some
 # weights are negative there. It does not lie on a line through an edge of the cell, where (7.5)
-# divides by zero. The cell may have any size.
+# divides by zero. The cell may have any size, from $10^{-9}$ to $10^9$.
 #
 # <details><summary>Hint</summary>
 #
@@ -382,7 +382,7 @@ check("07.4")
 # Write a function that returns the coordinates (7.6) of many points. At every point its $N$
 # coordinates must sum to 1, and $\sum_a \omega_a(\mathbf{x})\, \mathbf{p}_a = \mathbf{x}$ must
 # hold. The first requirement is called *partition of unity* and the second one *linear precision*.
-# Other coordinates satisfy both, too, but here those of (7.6) are required, for cells of any size,
+# Other coordinates satisfy both, too, but here those of (7.6) are required, for cells as in 07.4,
 # and for points inside and outside. No point is on a line through an edge, and at none is the sum
 # in (7.6) zero.
 

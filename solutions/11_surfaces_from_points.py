@@ -503,7 +503,7 @@ check("11.4")
 # Two functions that notebook 03 explains are ready-made: `distances(x, points)` returns all
 # distances, of shape $(M, N)$, and `saddle_point_matrix(A, P)` the matrix of (11.8). State
 # $\mathbf{A}$ and $\mathbf{P}$ for sites in the plane or in space, solve (11.8), and separate
-# $\boldsymbol\lambda$ from $\mathbf{c}$.
+# $\boldsymbol\lambda$ from $\mathbf{c}$. The distances between sites are at least 0.01.
 
 
 # %% question="11.5" minutes=15
@@ -598,7 +598,7 @@ def beside(distance):
 # ### 11.7 Newton's method
 #
 # Return the points after the given number of steps (11.9); for 0 steps, the given points. The
-# values of $F$ and its gradients may be of any size.
+# values of $F$ and its gradients may be of any size, such as $10^{-30}$.
 
 
 # %% question="11.7" minutes=15 optional

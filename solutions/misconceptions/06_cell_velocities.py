@@ -394,7 +394,7 @@ def mirrored(x, m, s):
 @answers("06.5")
 def about_the_mean_of_the_points(x, m, s):
     """The field rotates about the mean of the points x. Its centre is the argument m: evaluated at
-    one point only, the field must not vanish there.
+    one point only, the field must not vanish there, unless the point is m.
     """
     return flow(x, x.mean(axis=0), s)
 

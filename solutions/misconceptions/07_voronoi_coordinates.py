@@ -579,7 +579,7 @@ def one_step_too_few(center, corners, steps):
 
 @answers("07.6")
 def from_the_midpoint_of_the_edge(center, corners, steps):
-    """The spiral starts in the direction of the midpoint of the edge. In (7.7) the angle nΔθ is
+    """The angle nΔθ was measured from the direction of the midpoint of the edge. In (7.7) it is
     measured from the first coordinate axis.
     """
     n = np.arange(1, steps + 1)
@@ -664,8 +664,8 @@ def by_inverse_distances(center, rim, corners, values, x):
 
 @answers("07.7")
 def mean_of_products(center, rim, corners, values, x):
-    """The sum was divided by the number of corners a second time: coordinates have the sum one
-    already. What would a constant become?
+    """The sum was divided by the number of corners, but coordinates have the sum one already. What
+    would a constant become?
     """
     return (normalized(many_places(center, rim, corners, x)) * values).mean(axis=1)
 

@@ -245,17 +245,21 @@ def _in_words(error: BaseException) -> str:
 
 
 def own_line(error: BaseException, function: Callable[..., Any]) -> str:
-    """Return the line of the student's code that raised an error.
+    """Return the line of the student's code that raised an error, counted from its `def`.
 
-    It is the innermost frame in the file or cell of the function, or in another cell; frames of
-    libraries do not count.
+    It is the innermost function in the file or cell of the function, or in another cell; libraries
+    do not count, and of a comprehension the function around it does.
     """
     code = getattr(function, "__code__", None)
-    frames = traceback.extract_tb(error.__traceback__)
-    for frame in reversed(frames):
-        if _is_own(frame.filename, code):
-            text = f": {frame.line}" if frame.line else ""
-            return f"line {frame.lineno} of {frame.name}{text}"
+    frames = zip(
+        traceback.walk_tb(error.__traceback__),
+        traceback.extract_tb(error.__traceback__),
+        strict=True,
+    )
+    for (frame, line), found in reversed(list(frames)):
+        if _is_own(found.filename, code) and not found.name.startswith("<"):
+            text = f": {found.line}" if found.line else ""
+            return f"line {line - frame.f_code.co_firstlineno + 1} of {found.name}{text}"
     return ""
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import permutations
 
 import numpy as np
 
@@ -20,8 +21,9 @@ class Case:
 
     `rows` and `dimension` are the numbers of rows and columns of the first table among the
     arguments, whose rows are points in most questions; `whole` contains the positions of the arrays
-    of integers. `moved` states whether the normal form is relative to the first corner, and
-    `single` whether the returned numbers are those of float32.
+    of integers. `orders` contains the orders in which the returned arrays are the right ones.
+    `moved` states whether the normal form is relative to the first corner, and `single` whether the
+    returned numbers are those of float32.
     """
 
     name: str
@@ -31,6 +33,7 @@ class Case:
     values: Values
     right: Values
     tolerance: float
+    orders: frozenset[tuple[int, ...]]
     moved: bool
     single: bool
 
@@ -72,16 +75,25 @@ class Case:
 def compared(question: Question, call: Call, values: Values, right: Values) -> Case:
     """Return the values of a call, and the right ones."""
     zeros = tuple(map(np.zeros_like, right))
-    return Case(
+    case = Case(
         call.case,
         *_first_table(call),
         frozenset(k for k, a in enumerate(call.arguments) if _is_whole(a)),
         question.normal_form(call, values),
         question.normal_form(call, right),
         max(question.tolerance(call), LEAST_TOLERANCE),
+        frozenset(),
         any(z.any() for z in question.normal_form(call, zeros)),
         _are_single(values),
     )
+
+    def is_right(order: tuple[int, ...]) -> bool:
+        arrays = tuple(values[k] for k in order)
+        if any(a.shape != r.shape for a, r in zip(arrays, right, strict=True)):
+            return False
+        return all(map(case.same, question.normal_form(call, arrays), case.right))
+
+    return replace(case, orders=frozenset(filter(is_right, permutations(range(len(right))))))
 
 
 def _first_table(call: Call) -> tuple[int, int]:

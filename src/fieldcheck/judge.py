@@ -13,12 +13,11 @@ import numpy as np
 
 from fieldcheck.answers import Answers
 from fieldcheck.calls import LIST, MATRIX, Call, Outcome, Values
-from fieldcheck.compared import FAR_OFF, are_truth_values
+from fieldcheck.compared import FAR_OFF
+from fieldcheck.difference import difference, is_in_any_order
 from fieldcheck.patterns import pattern
-from fieldcheck.question import LEAST_TOLERANCE, Law, Question, scale
+from fieldcheck.question import Law, Question
 from fieldcheck.shapes import (
-    ORDINALS,
-    are_whole,
     fitted,
     in_words,
     shape_in_words,
@@ -31,9 +30,6 @@ TIMEOUT_FACTOR = 4.0
 
 NOT_RECOGNISABLE = ("missing", "unwritten", "endless", "modified", "slow")
 """Failures that are reported as they are; the values of a slow answer are right."""
-
-STEP = 1e-3
-"""Relative size of the change that shows the unit in which answers are compared."""
 
 SLIGHTLY = 0.01
 """A law that compares calls is hardly violated by such a part of the error of one of them."""
@@ -50,7 +46,8 @@ NOT_FINITE = (
 )
 ADVICE = {
     "Cannot cast ufunc": (
-        " An array of integers takes no decimals, not even by `-=`; `x.astype(float)` does."
+        " The array on the left holds integers, and takes no decimals, not even by `+=` or `-=`; "
+        "begin with one of floats."
     ),
     "did not converge": NOT_FINITE,
     "infs or NaNs": NOT_FINITE,
@@ -96,7 +93,7 @@ def judge(
             found = pattern(
                 *(question, calls[:count], values, right),
                 are_all=count == len(calls),
-                in_order=not any(map(partial(_is_in_any_order, question), calls[:count], right)),
+                in_order=not any(map(partial(is_in_any_order, question), calls[:count], right)),
             )
             sentence = _joined(sentence, found)
     return Verdict(question.name, finding, sentence, call=call)
@@ -288,14 +285,14 @@ def _wrong(
                 break
             text = law.amount and f"For {calls[index].case}, {law.amount.format(deviation)}."
             shown = _units_of_law(law, calls, values, right, index, units[index])
-            text = text or _difference(question, calls[index], shown, right, index)
+            text = text or difference(question, calls[index], shown, right, index)
             yield "wrong", _joined(law.sentence, text), index
             return
     if violated:
         text = _off(_deviation(violated[0], calls, values), violated[0].tolerance)
         yield "wrong", _joined(violated[0].sentence, text), first
     elif first is not None:
-        text = _difference(question, calls[first], units[first], right, first)
+        text = difference(question, calls[first], units[first], right, first)
         yield "wrong", text, first
 
 
@@ -394,91 +391,11 @@ def _units(
     return [question.differences(*triple) for triple in triples]
 
 
-def _difference(
-    question: Question,
-    call: Call,
-    units: Sequence[np.ndarray],
-    answers: Sequence[Values],
-    index: int,
-) -> str:
-    """Describe the largest difference of a call from its right answer, which has this index."""
-    right = answers[index]
-    part = int(np.argmax([d.max(initial=0.0) for d in units]))
-    wanted = right[part]
-    compared = question.normal_form(call, right)[part]
-    tolerance = max(question.tolerance(call), LEAST_TOLERANCE) * scale(compared)
-    open_order = _order_is_open(question, call, right, part)
-    if not open_order:
-        tolerance /= _magnification(question, call, right, part, int(np.argmax(units[part])))
-    off = units[part].max() * tolerance
-    entry = _entry(units[part], part, len(units), open_order)
-    if np.isclose(off, 1) and are_truth_values(answers):
-        return f"For {call.case}, {entry} {_of_two(compared.flat[int(np.argmax(units[part]))])}."
-    size = f"{off:.2g}" if np.isfinite(off) else "more than 10²⁹⁰ times the largest right value"
-    text = f"For {call.case}, {entry} is off by {size}."
-    if all(are_whole(values[part]) for values in answers):
-        which = "All right values here" if len(units) == 1 else "All right values of this array"
-        return f"{text} {which} are whole numbers."
-    if wanted.size == 1:
-        value = f"The right value is {'−' * (wanted.item() < 0)}{abs(wanted.item()):.2g}"
-    else:
-        value = f"The largest right value is {scale(wanted):.2g}"
-    return f"{text} {value}; rounding explains {tolerance:.0e}."
-
-
-def _magnification(
-    question: Question, call: Call, right: Values, part: int, position: int
-) -> float:
-    """Return how often larger a small change of one entry is where answers are compared."""
-    step = STEP * scale(right[part])
-    changed = right[part].astype(float)
-    changed.flat[position] += step
-    forms = (
-        question.normal_form(call, (*right[:part], value, *right[part + 1 :]))[part]
-        for value in (changed, right[part])
-    )
-    ratio = float(np.abs(np.subtract(*forms)).flat[position]) / step
-    return ratio if ratio > 0 else 1.0
-
-
-def _of_two(right: float) -> str:
-    return "must be 1, or True" if right else "must be 0, or False"
-
-
 def _off(deviation: float, tolerance: float) -> str:
     """Return the size of the violation of a law, if it is not an integer or infinite."""
     if not np.isfinite(deviation) or deviation == round(deviation):
         return ""
     return f"This is off by {deviation:.2g}; rounding explains {tolerance:.0e}."
-
-
-def _is_in_any_order(question: Question, call: Call, right: Values) -> bool:
-    """Return whether some of the returned arrays may come in another order."""
-    return any(_order_is_open(question, call, right, part) for part in range(len(right)))
-
-
-def _order_is_open(question: Question, call: Call, right: Values, part: int) -> bool:
-    """Return whether rows or columns may come in another order, so that an index says nothing."""
-    value = right[part]
-    others = [np.flip(value, axis) for axis in range(value.ndim)]
-    form = question.normal_form(call, right)[part]
-    return any(
-        not np.array_equal(other, value)
-        and np.array_equal(
-            question.normal_form(call, (*right[:part], other, *right[part + 1 :]))[part], form
-        )
-        for other in others
-    )
-
-
-def _entry(units: np.ndarray, part: int, parts: int, order_is_open: bool) -> str:
-    if units.ndim == 0:
-        return f"the {ORDINALS[part]} number" if parts > 1 else "the number"
-    if order_is_open:
-        return f"an entry of the {ORDINALS[part]} array" if parts > 1 else "an entry"
-    index = np.unravel_index(int(np.argmax(units)), units.shape)
-    entry = f"entry [{', '.join(str(int(i)) for i in index)}]"
-    return f"{entry} of the {ORDINALS[part]} array" if parts > 1 else entry
 
 
 def _slow(question: Question, call: Call, outcome: Outcome) -> str:

@@ -40,7 +40,7 @@ TITLES: dict[str, str] = {
     "not finite": "— returns values that are not finite",
     "modified": "— changes its input",
     "inherited": "— waits for an earlier answer",
-    "misconception": "— not right: your values are those of a known mistake",
+    "misconception": "— not right: your results are those of a known mistake",
     "wrong": "— not right yet",
     "slow": "— right, but slow",
     "right": "— right",

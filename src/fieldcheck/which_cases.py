@@ -70,7 +70,7 @@ def sizes(cases: Sequence[Case], wrong_cases: Sequence[Case]) -> str:
         return ""
     if len(right) == 1:
         return ""  # such as the triangles among polygons, which are special
-    if sum(case.rows > FEWEST_ROWS for case in right_cases) < 2:
+    if sum(case.rows > FEWEST_ROWS for case in right_cases) < 2 or max(wrong) <= FEWEST_ROWS:
         return ""
     if max(wrong) < min(right):
         these, others = f"{min(right)} or more", f"{max(wrong)} or fewer"
@@ -97,8 +97,9 @@ def integers(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
     )
     if cut:
         return (
-            "Where an argument is an array of integers, the decimals are lost. An array that "
-            "`np.zeros_like` makes from it holds integers only; `np.zeros(a.shape)` holds decimals."
+            "Where an argument is an array of integers, the decimals are lost. A copy of it, or an "
+            "array that `np.zeros_like` makes from it, holds integers only. `a.astype(float)` and "
+            "`np.zeros(a.shape)` hold decimals."
         )
     if len(wrong) == 1:
         return ""

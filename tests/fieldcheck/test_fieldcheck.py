@@ -104,7 +104,7 @@ def wrong_then_lost(x):
         (
             decimals_in_place,
             "exception",
-            r"An array of integers takes no decimals, not even by `-=`",
+            r"The array on the left holds integers, and takes no decimals, not even by `\+=` or",
         ),
         (lambda _: None, "type", "nothing \\(None\\), as a function without `return` does"),
         (lambda _: "two", "type", "an object of type str"),
@@ -737,19 +737,60 @@ def test_large_values_are_not_called_whole_numbers():
     assert "whole" not in judge(question, asked, outcomes, Answers([(right,)], ())).sentence
 
 
-def test_an_index_is_reported_only_where_the_order_is_given():
-    """Rows that may come in any order are compared sorted."""
+def not_to_be_compared(_, values):
+    """Rows may come in any order."""
+    return tuple(map(answers.rows_sorted, values))
+
+
+def first_positive(_, values):
+    """Each row may have the other sign."""
+    return tuple(v * np.where(v[:, :1] < 0, -1, 1) for v in values)
+
+
+@pytest.mark.parametrize(
+    ("form", "amount", "words"),
+    [
+        (unchanged, 0.3, "a mesh, entry [2, 1] is off by 0.3."),
+        (not_to_be_compared, 0.3, "a mesh, the entries are not the right ones in any order."),
+        (not_to_be_compared, 0.001, "a mesh, an entry is off by 0.001."),
+        (first_positive, 0.3, "a mesh, the entries are not the right ones with either sign."),
+        (first_positive, 0.001, "a mesh, entry [2, 1] is off by 0.001."),
+    ],
+)
+def test_an_amount_is_told_only_where_the_right_entry_is_known(form, amount, words):
+    """Rows that may come in any order, or with any sign, are compared as they match."""
     right = np.array([[1.5, 2.0], [0.5, 7.0], [3.5, 1.0]])
     asked, known = (Call("edges", (), "a mesh"),), Answers([(right,)], ())
-    outcomes = [Outcome("returned", values=(right + np.diag([0, 0, 0.3])[:, 1:],))]
-    for form, words in (
-        (unchanged, "a mesh, entry [2, 1] is off by 0.3."),
-        (lambda _, values: tuple(map(answers.rows_sorted, values)), "a mesh, an entry is off by"),
-    ):
-        question = Question(
-            "99.1", "edges", 1, lambda _: asked, lambda _: ((3, 2),), normal_form=form
-        )
-        assert words in judge(question, asked, outcomes, known).sentence
+    outcomes = [Outcome("returned", values=(right + np.diag([0, 0, amount])[:, 1:],))]
+    question = Question("99.1", "edges", 1, lambda _: asked, lambda _: ((3, 2),), normal_form=form)
+    assert words in judge(question, asked, outcomes, known).sentence
+
+
+def test_exchanged_arrays_are_recognized_where_the_sign_of_one_is_open():
+    ends, normals = np.array([[1.0, 2.0], [4.0, 3.0]]), np.array([[-0.6, 0.8], [1.0, 0.0]])
+
+    def form(_, values):
+        return values[0], *first_positive(_, values[1:])
+
+    asked, known = (Call("edges", (), "a mesh"),), Answers([(ends, normals)], ())
+    outcomes = [Outcome("returned", values=(-normals, ends))]
+    question = Question(
+        "99.1", "edges", 1, lambda _: asked, lambda _: ((2, 2), (2, 2)), normal_form=form
+    )
+    assert "not the right ones" in judge(question, asked, outcomes, known).sentence
+    outcomes = [Outcome("returned", values=(normals, ends))]
+    found = judge(question, asked, outcomes, known).sentence
+    assert "The returned arrays are the right ones in another order." in found
+
+
+def test_the_line_of_an_error_is_counted_from_the_def():
+    """Above it the cell may have other lines; a comprehension is part of its function."""
+    code = "# a comment\nimport math\n\n\ndef f(x):\n    y = [1 / k for k in x]\n    return y\n"
+    namespace: dict = {}
+    exec(compile(code, "cell", "exec"), namespace)
+    with pytest.raises(ZeroDivisionError) as raised:
+        namespace["f"]([1, 0])
+    assert calls.own_line(raised.value, namespace["f"]) == "line 2 of f"
 
 
 @pytest.mark.parametrize("open_order", [False, True])

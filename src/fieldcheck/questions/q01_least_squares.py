@@ -185,9 +185,14 @@ def other_units_and_numbers(random: np.random.Generator) -> tuple[Call, ...]:
 
 
 def fit_tolerance(call: Call) -> float:
-    """Return the rounding error of the normal equations: eps times the squared condition of B."""
+    """Return eps times the condition of B, and its square for columns of length one.
+
+    Singular values depend on the unit of length, elimination in the normal equations does not.
+    """
     points = call.arguments[0]
-    return 100 * EPS * float(np.linalg.cond(np.insert(points, 0, 1.0, axis=1))) ** 2
+    b = np.insert(points, 0, 1.0, axis=1)
+    squared = np.linalg.cond(b / np.linalg.norm(b, axis=0)) ** 2
+    return 100 * EPS * float(squared + np.linalg.cond(b))
 
 
 @law_of_each(
