@@ -20,7 +20,7 @@ from collections.abc import Sequence
 from tools.mutation.judged import ROOT, outdated
 from tools.mutation.mutants import Mutant, drawn
 from tools.mutation.reach import ONE_THREAD, WORK, digest, reach
-from tools.mutation.trials import copy_of_checkout, trials
+from tools.mutation.trials import compile_tests, copy_of_checkout, trials
 
 REQUIRED = 0.92
 """Share of the mutants that the tests must catch."""
@@ -58,6 +58,7 @@ def main() -> int:
     mutants = drawn(options.seed, options.count)
     folders = [copy_of_checkout(f"copy-{k}") for k in range(options.jobs)]
     known = reach(folders[0], options.jobs)
+    compile_tests(folders)
     outcomes = trials(mutants, known, folders, WORK / f"results-{digest()}.jsonl")
     return 0 if report(mutants, outcomes) else 1
 
