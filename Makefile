@@ -111,7 +111,7 @@ $(peers)/ready-bench: requirements-bench.lock requirements.lock pyproject.toml
 # The tool that makes mutants also has an environment of its own.
 mutation := $(VENV)-mutation
 
-check-tests: $(mutation)/ready-mutation ## test the tests with 200 mutants of the library, in an hour; SEED=1, COUNT=200
+check-tests: $(mutation)/ready-mutation ## test the tests with 200 mutants of the library, in half an hour; SEED=1, COUNT=200
 	@$(mutation)/bin/python -m tools.mutation $(if $(SEED),--seed $(SEED)) $(if $(COUNT),--count $(COUNT))
 
 $(mutation)/ready-mutation: requirements-mutation.lock requirements.lock pyproject.toml
