@@ -216,15 +216,19 @@ def test_a_convex_polygon_is_divided_from_its_first_corner(corners):
     assert divided(points, np.arange(corners)[None]).tolist() == fan
 
 
+@pytest.mark.parametrize("notch", [1.0, 1.8])
 @pytest.mark.parametrize("first", range(4))
-def test_a_polygon_that_is_not_convex_is_divided_inside(first):
-    """The areas of the triangles add up to its own, from whichever corner it begins."""
-    arrow = np.roll([[0.0, 0, 5], [2, -1, 5], [1, 0, 5], [2, 1, 5]], first, axis=0)
+def test_a_polygon_that_is_not_convex_is_divided_inside(first, notch):
+    """The areas of the triangles add up to its own, from whichever corner it begins.
+
+    However shallow its notch is: of 1.8, the areas of the other two triangles are 2 and 0.2.
+    """
+    arrow = np.roll([[0.0, 0, 5], [2, -1, 5], [notch, 0, 5], [2, 1, 5]], first, axis=0)
     triangles = divided(arrow, np.arange(4)[None])
     a, b, c = arrow[triangles].swapaxes(0, 1)
     areas = np.cross(b - a, c - a)[:, 2] / 2
     assert (areas > 0).all()
-    assert areas.sum() == pytest.approx(1.0)
+    assert areas.sum() == pytest.approx(notch)
 
 
 def test_faces_are_named_by_the_number_of_their_corners():
@@ -256,10 +260,13 @@ def test_invalid_meshes_are_refused(text, words, tmp_path):
         read_mesh(tmp_path / "bad.obj")
 
 
-def test_a_triangle_with_a_missing_vertex_is_refused(tmp_path):
-    """This is the only requirement on the triangles of a surface."""
-    (tmp_path / "bad.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")
-    with pytest.raises(ValueError, match=r"bad.obj: triangle 0 has the corners \[0, 1, 3\]"):
+@pytest.mark.parametrize(("before", "which"), [("", 0), ("f 1 2 3\n", 1)])
+def test_a_triangle_with_a_missing_vertex_is_refused(before, which, tmp_path):
+    """This is the only requirement on the triangles of a surface. The first such is named."""
+    vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+    (tmp_path / "bad.obj").write_text(f"{vertices}{before}f 1 2 4\nf 1 2 3\nf 2 3 5\n")
+    words = rf"bad.obj: triangle {which} has the corners \[0, 1, 3\]"
+    with pytest.raises(ValueError, match=words):
         read_surface(tmp_path / "bad.obj")
 
 

@@ -67,7 +67,7 @@ def test_gradients_of_monomials_equal_difference_quotients(d, degree):
 def test_local_coordinates_fill_the_cube(offset, unit):
     """Local coordinates lie in [-1, 1], the largest is at least 1/2.
 
-    The scale is a power of two.
+    The scale is a power of two. The point with these coordinates is the one they are of.
     """
     x = (np.random.default_rng(3).random((20, 3)) * [1.0, 0.1, 0.0] + offset) * unit
     frame = Frame.around(x)
@@ -75,6 +75,7 @@ def test_local_coordinates_fill_the_cube(offset, unit):
     assert np.abs(y).max() <= 1
     assert np.abs(y).max() >= 0.5
     assert math.frexp(frame.scale)[0] == 0.5
+    assert_close(frame.point(y[0]) / unit, x[0] / unit, EXACT)
 
 
 def test_the_frame_of_one_point_has_scale_one():

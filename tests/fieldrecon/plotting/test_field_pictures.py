@@ -225,6 +225,7 @@ def test_the_colours_of_a_field_range_over_the_values_among_the_samples(some_sur
     )
     assert picture.get_clim() == (1.0, 8.0)
     assert label == "value"
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x", "y")
     np.testing.assert_array_equal(picture.get_array(), values)
     white, opacity = veil.get_array()[..., :3], veil.get_array()[..., 3]
     assert (white == 1).all()

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from fontTools.ttLib import TTFont
 from matplotlib.colors import to_rgb
-from matplotlib.font_manager import FontProperties
+from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.patches import Rectangle
 
 from fieldrecon.plotting.fonts import (
@@ -148,6 +148,15 @@ def test_letters_are_about_as_large_as_those_of_the_text_and_lines_are_thin():
         assert 0.5 < mpl.rcParams["legend.framealpha"] < 1  # curves behind are seen
     assert (small, large) == ({8.0}, {9.0})
     assert 0.2 < minor < grid < frame < contour < curve < 1.5
+
+
+@pytest.mark.parametrize(("kind", "face"), SERIF_FACES.items())
+def test_letters_are_those_of_the_text(kind, face):
+    """Matplotlib finds the faces in the wheel, and takes no other in their place."""
+    look = {"regular": {}, "italic": {"style": "italic"}, "bold": {"weight": "bold"}}[kind]
+    with style():
+        found = findfont(FontProperties(**look), fallback_to_default=False)
+    assert get_font(found).postscript_name == face
 
 
 def test_files_for_the_screen_are_sharper_than_it():

@@ -143,6 +143,17 @@ def test_residuals_are_those_of_fits_without_the_excluded_samples():
     assert score.n_held_out == validator.n_held_out == len(literal)
 
 
+def test_with_other_values_the_residuals_are_those_of_these_values():
+    """None that are known of the values before."""
+    points = uniform(60, 2, seed=0)
+    validator, maker = CrossValidator.of(points, franke(points)), partial(LeastSquares, degree=2)
+    before = validator.residuals(maker)
+    assert np.abs(before).max() > 0.01
+    np.testing.assert_array_equal(validator.residuals(maker), before)
+    polynomial = replace(validator, values=points[:, 0] * points[:, 1])
+    assert np.abs(polynomial.residuals(maker)).max() < EXACT
+
+
 @pytest.mark.parametrize("name", ["ls4", "mls1", "pu3"])
 def test_the_error_without_queries_is_that_of_leave_one_out(name):
     """The root mean square error differs by at most 25 %."""

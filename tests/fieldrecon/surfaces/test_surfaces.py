@@ -187,6 +187,17 @@ def test_points_in_a_gap_of_two_sheets_are_a_quarter_of_it_off(unit):
         assert off.sites.tolist() == ([] if gap < 0.2 else [0, 1]) + [0, 1]
 
 
+def test_the_last_ball_that_is_not_empty_shrinks_until_it_is():
+    """A point whose ball contains others, one after another; the other balls are empty at once."""
+    others = np.array([[0, 0, 2.2], [0.9, 0, 1.0]])
+    points = np.concatenate([np.zeros((1, 3)), others])
+    off = off_surface_points(points, [[0, 0, 1.0], [0, 0, 1.0], [1.0, 0, 0]], 1.0)
+    outside = off.values < 0
+    assert off.sites[outside].tolist() == [0, 1, 2]
+    least = ((others**2).sum(axis=1) / (2 * others[:, 2])).min()
+    assert_close(-off.values[outside], np.array([least / 2, 1.0, 1.0]), 1e-12)
+
+
 # --- the implicit surface -------------------------------------------------------------------------
 
 
