@@ -364,12 +364,12 @@ def test_weights_are_invariant_under_affine_maps(corners):
         assert abs(mapped.weights(x @ a + offset) - w).max() < 1e-12 + 1e-15 * offset
 
 
-def test_weights_of_thin_polygons_are_accurate():
-    """The width of the polygon is 1e-12 of its length."""
-    thin = HEXAGON * [1.0, 1e-12]
-    x = inside(HEXAGON)
-    w = BarycentricCoordinates(thin).weights(x * [1.0, 1e-12])
-    assert abs(w - BarycentricCoordinates(HEXAGON).weights(x)).max() < 1e-12
+@pytest.mark.parametrize("corners", [HEXAGON, regular(16)], ids=["hexagon", "16-gon"])
+def test_weights_of_thin_polygons_are_accurate(corners):
+    """The width of the polygon is 1e-12 of its length; products of many heights are numbers."""
+    x = inside(corners)
+    w = BarycentricCoordinates(corners * [1.0, 1e-12]).weights(x * [1.0, 1e-12])
+    assert abs(w - BarycentricCoordinates(corners).weights(x)).max() < 1e-12
 
 
 @pytest.mark.slow
@@ -473,6 +473,7 @@ def test_vertices_of_non_convex_polytopes_are_refused(vertices, words):
     [
         ([[0, 0], [1, 1]], "the vertices lie on a line: they are not the corners of a polygon"),
         ([[0, 0], [1, 1], [3, 3], [0.5, 0.5]], "the vertices lie on a line"),
+        ([[2, 3]] * 3, "the vertices lie on a line"),
         (
             [[0, 0, 0], [1, 0, 0], [0, 1, 0]],
             "lie in a plane: they are not the corners of a polyhedron",

@@ -103,8 +103,8 @@ def test_a_long_table_ends_after_forty_rows_with_the_number_of_the_others(
     first, *rows = every = [[str(k), f"name_{k}"] for k in range(1 + number)]
     columns = [row[0] for row in every]
     given = (columns, [[row[1] for row in every]]) if transposed else (first, rows)
-    for whole, limit in ((False, 40), (True, number)):
-        print_table(*given, whole=whole)
+    for options, limit in (({}, 40), ({"whole": False}, 40), ({"whole": True}, number)):
+        print_table(*given, **options)
         *shown, end = capsys.readouterr().out.splitlines()
         assert end == ""
         if number > limit:

@@ -67,6 +67,15 @@ def test_no_components_are_advected():
             assert last.values.shape == values.shape
 
 
+def test_no_components_are_reconstructed():
+    """Near the sites, and far from them, where the error of constants is estimated."""
+    for tail in ((0,), (2, 0)):
+        s = fr.LeastSquares(PLANE).field(np.zeros((30, *tail)))
+        for x in ([0.5, 0.5], [1e3, 1e3]):
+            assert s(x).shape == tail
+            assert s.gradient(x).shape == (*tail, 2)
+
+
 def test_no_surface_is_coupled():
     """A flat structure and one in space: no displacements, and loads of zero."""
     none = np.zeros((0, 3))

@@ -132,12 +132,13 @@ def the_function_vanishes_exactly_beyond_its_support(kernel: Radial) -> None:
 def the_function_is_differentiable_at_the_origin_if_and_only_if_declared(kernel: Radial) -> None:
     """`differentiable` must be true if and only if φ'(r) → 0 for r → 0.
 
-    The slope at 0 must be finite.
+    The slope at 0 must be finite, and zero where there is no gradient.
     """
     r = np.array([1e-40])
     steep = abs(float((kernel.slope(r) * r)[0])) > 1e-3 * max(1.0, abs(float(kernel(1.0))))
     assert kernel.differentiable != steep
     assert np.isfinite(kernel.slope(0.0))
+    assert kernel.differentiable or kernel.slope(0.0) == 0
 
 
 def a_change_of_unit_multiplies_the_form_by_a_power(kernel: Radial) -> None:

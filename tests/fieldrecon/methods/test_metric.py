@@ -126,6 +126,7 @@ def test_wrong_metrics_are_refused(make):
         "got the shape .* and the type complex128": np.eye(2) * 1j,
         r"metric must have positive scales; metric\[1\] is -1": [1, -1],
         r"metric must have positive scales; metric\[0\] is 0": [0, 1],
+        r"metric must have positive scales; metric\[1\] is 0": [1, 0],
         r"metric must be finite; metric\[1, 1\] is nan": np.diag([1, np.nan]),
         r"must be symmetric; metric\[0, 1\] is 2 and metric\[1, 0\] is 1": [[4, 2], [1, 4]],
     }

@@ -247,6 +247,21 @@ def test_the_far_field_grows_no_faster_than_the_polynomial():
         RBF(POINTS, multiquadric(0.25)).field(VALUES)(1e14 * x)
 
 
+@pytest.mark.parametrize(("width", "lost"), [(1e-3, False), (1e-6, True)])
+def test_values_beside_a_diagonal_strip_are_refused_where_rounding_decides_them(width, lost):
+    """Also in the box of the sites: the weights grow like the inverse square of the width."""
+    along, across = np.random.default_rng(0).random((2, 60)) - 0.5
+    strip = np.stack([along - width * across, along + width * across], axis=1)
+    m = RBF(strip, thin_plate_spline(), 2)
+    rough, beside = np.random.default_rng(1).choice([-1.0, 1.0], 60), [[0.4, -0.4]]
+    if lost:
+        with refused("rounding decides the value at", np.linalg.LinAlgError):
+            m.field(rough)(beside)
+    else:
+        increase = m.field(rough + 1)(beside) - m.field(rough)(beside)
+        assert_close(increase, np.ones(1), LOST)
+
+
 def test_weights_are_no_better_than_their_own_rounding():
     """They are lost where they are as large as 1e13, though their sum be one by chance."""
     size = np.array([1.0, 1e10, 1e13])

@@ -200,6 +200,15 @@ def test_the_picture_of_a_ball_has_its_area_and_its_highlight():
     assert image[30, 30, 0] > image[30, 30, 1]
 
 
+def test_a_surface_without_a_colour_is_grey():
+    """Red, green and blue are alike, in the light and in the shade."""
+    view = fr.solids.View.of_box(BOX, (0, -1, 0), 20)
+    image = fr.solids.ray_traced(Ball(1.0), view, 0.5)
+    visible = image[image[..., 3] > 0, :3]
+    assert np.ptp(visible, axis=1).max() < 0.05
+    assert np.ptp(visible.mean(axis=1)) > 0.3
+
+
 def test_a_view_is_centred_and_its_rays_cross_the_box():
     """From any side: they enter and leave at its surface, and the picture holds its corners."""
     low, high = np.array([1.0, -2.0, 0.5]), np.array([2.0, 0.5, 1.25])

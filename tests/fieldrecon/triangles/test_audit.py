@@ -782,6 +782,7 @@ def test_progress_is_reported():
         ([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]], r"points must have the shape \(n, 3\)"),
         ([[0, 0, np.nan]] * 3, [[0, 1, 2]], "points must be finite"),
         ([[0, 0, 0]] * 3, [[0, 1, 3]], r"index 3 points; triangles\[0, 2\] is 3"),
+        ([[0, 0, 0]] * 3, [[0, 1, 2], [0, -2, 1], [7, 1, 2]], r"triangles\[1, 1\] is -2"),
         ([[0, 0, 0]] * 3, [[0, 1]], r"triangles must have the shape \(m, 3\)"),
         ([[0, 0, 0]] * 3, [[0, 1, 2], [0, 1]], "the rows differ"),
         ([[0, 0, 0]] * 3, [[0.0, 1, 2]], "triangles must be integers"),
