@@ -86,7 +86,7 @@ def connected(n, links):
 # The next cell draws surfaces. Run it; you need not read it.
 
 # %%
-from fieldcheck.surfaces import (
+from fieldcheck.inputs.surfaces import (
     ball,
     band,
     book,

@@ -3,8 +3,7 @@
 import numpy as np
 
 from fieldcheck.calls import Call
-from fieldcheck.questions.q14_mesh_places import copies, crowds, thin
-from fieldcheck.surfaces import (
+from fieldcheck.inputs.surfaces import (
     TRIANGLE,
     alike,
     ball,
@@ -21,6 +20,7 @@ from fieldcheck.surfaces import (
     unjoined,
     without,
 )
+from fieldcheck.questions.q14_mesh_places import copies, crowds, thin
 from fieldgrade.authoring.hidden_cases import hidden
 
 

@@ -13,9 +13,6 @@ import numpy as np
 
 from fieldcheck.answers import Answers
 from fieldcheck.calls import LIST, MATRIX, Call, Outcome, Values
-from fieldcheck.compared import FAR_OFF
-from fieldcheck.difference import difference, is_in_any_order
-from fieldcheck.patterns import pattern
 from fieldcheck.question import Law, Question
 from fieldcheck.shapes import (
     fitted,
@@ -24,6 +21,9 @@ from fieldcheck.shapes import (
     without_extra_axes,
 )
 from fieldcheck.verdict import FINDINGS, Finding, Verdict
+from fieldcheck.wrong_values.compared import FAR_OFF
+from fieldcheck.wrong_values.difference import difference, is_in_any_order
+from fieldcheck.wrong_values.patterns import pattern
 
 TIMEOUT_FACTOR = 4.0
 """A call is stopped after this multiple of its time limit."""

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from fieldcheck.calls import Call
-from fieldcheck.patterns import pattern
+from fieldcheck.inputs.simplices import relative_to_a_corner
 from fieldcheck.question import Question
-from fieldcheck.simplices import relative_to_a_corner
-from fieldcheck.which_cases import HERE, OTHERS_RIGHT
+from fieldcheck.wrong_values.patterns import pattern
+from fieldcheck.wrong_values.which_cases import HERE, OTHERS_RIGHT
 
 
 def inputs(seed):

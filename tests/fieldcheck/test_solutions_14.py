@@ -5,7 +5,7 @@ import pytest
 
 from checkout import ROOT
 from fieldcheck.datasets import kleopatra
-from fieldcheck.surfaces import (
+from fieldcheck.inputs.surfaces import (
     ball,
     band,
     book,

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.inputs.variants import one_changed
 from fieldcheck.question import Question, law_of_each, relative, scale
-from fieldcheck.variants import one_changed
 
 EPS = float(np.finfo(float).eps)
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.inputs.variants import one_changed
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q01_least_squares import cloud, whole
-from fieldcheck.variants import one_changed
 
 # 01.6 The objective
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.inputs.variants import one_changed
 from fieldcheck.question import Question, law, law_of_each, relative
-from fieldcheck.variants import one_changed
 
 EPS = float(np.finfo(float).eps)
 TINY = 1e-10

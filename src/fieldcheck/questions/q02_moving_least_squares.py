@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.inputs.variants import one_changed
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q02_local_fit import (
     EPS,
@@ -20,7 +21,6 @@ from fieldcheck.questions.q02_local_fit import (
     rounding,
     twice,
 )
-from fieldcheck.variants import one_changed
 
 LOCAL = 1e-7
 """Rounding tolerance of laws about local fits, whose systems have larger condition numbers."""

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.inputs.variants import one_changed
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q02_local_fit import (
     TINY,
@@ -24,7 +25,6 @@ from fieldcheck.questions.q02_moving_least_squares import (
     near_and_far,
     spread_of_weights,
 )
-from fieldcheck.variants import one_changed
 
 # 02.8 Least squares against moving least squares
 

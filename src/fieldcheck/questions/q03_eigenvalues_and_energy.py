@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.inputs.variants import one_changed
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q03_radial_basis_functions import (
     TINY,
@@ -17,7 +18,6 @@ from fieldcheck.questions.q03_radial_basis_functions import (
     squares,
     with_zeros,
 )
-from fieldcheck.variants import one_changed
 
 # 03.5 The signs of the eigenvalues
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
+from fieldcheck.inputs.variants import one_changed
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q03_radial_basis_functions import (
     TINY,
@@ -18,7 +19,6 @@ from fieldcheck.questions.q03_radial_basis_functions import (
     one_at_the_origin,
     with_zeros,
 )
-from fieldcheck.variants import one_changed
 
 # 03.4 and 03.6 The field and its gradient
 

@@ -10,8 +10,8 @@ from math import ceil
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.inputs.variants import one_changed
 from fieldcheck.question import Question, law_of_each, relative
-from fieldcheck.variants import one_changed
 
 STEP = 1e-30
 """The size of the complex step; its square underflows."""

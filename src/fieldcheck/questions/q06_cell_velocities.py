@@ -7,9 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
-from fieldcheck.question import Question, law, law_of_each, relative
-from fieldcheck.questions.q05_edges import AWAY, directions
-from fieldcheck.simplices import (
+from fieldcheck.inputs.simplices import (
     DIGITS_FAR_AWAY,
     FAR,
     is_equally_far,
@@ -17,6 +15,8 @@ from fieldcheck.simplices import (
     relative_to_a_corner,
     tolerance_far_away,
 )
+from fieldcheck.question import Question, law, law_of_each, relative
+from fieldcheck.questions.q05_edges import AWAY, directions
 
 LEAST_DEFECT = 0.01
 """For normal velocities of size one; a smaller defect would have fewer than twelve digits."""

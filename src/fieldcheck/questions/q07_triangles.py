@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
-from fieldcheck.question import Law, Question, law_of_each, relative
-from fieldcheck.simplices import (
+from fieldcheck.inputs.simplices import (
     is_equally_far,
     is_equally_far_from_afar,
     is_halved,
@@ -14,7 +13,8 @@ from fieldcheck.simplices import (
     relative_to_a_corner,
     tolerance_far_away,
 )
-from fieldcheck.variants import one_changed
+from fieldcheck.inputs.variants import one_changed
+from fieldcheck.question import Law, Question, law_of_each, relative
 
 # 07.1 The hexagon
 

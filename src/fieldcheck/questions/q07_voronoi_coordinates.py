@@ -11,8 +11,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.inputs.variants import one_changed
 from fieldcheck.question import Question, law, law_of_each, relative
-from fieldcheck.variants import one_changed
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray]
 SLOPES = np.array([2.0, -1.0])

@@ -7,9 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
-from fieldcheck.question import Law, Question, law, relative
-from fieldcheck.questions.q07_triangles import SMALL, small_simplices
-from fieldcheck.simplices import (
+from fieldcheck.inputs.simplices import (
     is_equally_far,
     is_equally_far_from_afar,
     is_halved,
@@ -17,6 +15,8 @@ from fieldcheck.simplices import (
     relative_to_a_corner,
     tolerance_far_away,
 )
+from fieldcheck.question import Law, Question, law, relative
+from fieldcheck.questions.q07_triangles import SMALL, small_simplices
 
 
 def moved(points: np.ndarray, distance: float = 2.0**14) -> np.ndarray:

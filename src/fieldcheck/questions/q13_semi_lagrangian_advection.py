@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
+from fieldcheck.inputs.variants import one_changed
 from fieldcheck.question import Law, Question, law, relative
-from fieldcheck.variants import one_changed
 
 Deviation = Callable[[Sequence[Call], Sequence[Values]], float]
 CORNERS = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])

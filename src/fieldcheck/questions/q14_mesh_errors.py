@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Question, law
-from fieldcheck.surfaces import (
+from fieldcheck.inputs.surfaces import (
     TRIANGLE,
     Surface,
     ball,
@@ -31,6 +30,7 @@ from fieldcheck.surfaces import (
     walled,
     without,
 )
+from fieldcheck.question import Question, law
 
 # 14.2 and 14.3 Edges
 

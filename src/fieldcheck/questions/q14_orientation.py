@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.question import Question, law
-from fieldcheck.surfaces import (
+from fieldcheck.inputs.surfaces import (
     Surface,
     ball,
     band,
@@ -27,6 +26,7 @@ from fieldcheck.surfaces import (
     unjoined,
     without,
 )
+from fieldcheck.question import Question, law
 
 
 def folded(random: np.random.Generator) -> Surface:

@@ -57,12 +57,12 @@ class MovingLeastSquares(Reconstruction):
         With k given, only the k sites nearest to the query count, a site at the query included, and
         the weight sees r/rho, rho the distance of the (k + 1)-th site. So the k-th still counts,
         unless it is as far away: a weight that vanishes at 1 does not count it then. On a lattice
-        few neighbors can be too few because of such ties; six are enough for degree 1 in the plane.
-        Of equally distant sites their positions decide, not their order, unless sites coincide.
-        With a `wendland` weight of radius 1 the field is continuous and piecewise smooth: its
-        gradient jumps where another site becomes the (k + 1)-th. A weight that does not vanish at 1
-        makes the field jump there. Without it, all sites within the weight's support count, and the
-        field is as smooth as the weight.
+        few neighbors can be too few because of such ties; in the plane six are enough for degree 1
+        at queries inside it, and outside more are needed. Of equally distant sites their positions
+        decide, not their order, unless sites coincide. With a `wendland` weight of radius 1 the
+        field is continuous and piecewise smooth: its gradient jumps where another site becomes the
+        (k + 1)-th. A weight that does not vanish at 1 makes the field jump there. Without it, all
+        sites within the weight's support count, and the field is as smooth as the weight.
     metric : (d,) or (d, d) array_like, optional
         Distances other than the Euclidean one: scales of the coordinates, for which it is
         sqrt(sum_k ((x_k - y_k) / scale_k)^2), or a symmetric positive definite matrix M, for which

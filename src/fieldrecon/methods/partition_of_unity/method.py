@@ -56,13 +56,13 @@ DRAWS = 8
 class PartitionOfUnityRBF(Reconstruction):
     """Radial basis functions on overlapping patches, s(x) = sum_j w_j(x) s_j(x), sum_j w_j = 1.
 
-    Each patch is a ball that holds the `patch_size` sites nearest to its centre and no others, and
-    s_j is the augmented `RBF` of these; so s interpolates, and reproduces what every s_j does. The
-    weights w_j are twice continuously differentiable and vanish outside their balls. Where no ball
-    reaches, in gaps and outside, patches on coarser and coarser subsets of the sites take over, the
-    last of which reaches everywhere. The cost is O(n log n), and a value depends only on sites near
-    the query. The order of the sites does not matter, not even to rounding: of equally distant
-    sites their positions decide, unless sites coincide.
+    Each patch has the `patch_size` sites nearest to its centre, in a ball that has no other site in
+    its interior, and s_j is the augmented `RBF` of these; so s interpolates, and reproduces what
+    every s_j does. The weights w_j are twice continuously differentiable and vanish outside their
+    balls. Where no ball reaches, in gaps and outside, patches on coarser and coarser subsets of the
+    sites take over, the last of which reaches everywhere. The cost is O(n log n), and a value
+    depends only on sites near the query. The order of the sites does not matter, not even to
+    rounding: of equally distant sites their positions decide, unless sites coincide.
 
     Parameters
     ----------

@@ -12,10 +12,15 @@ import numpy as np
 
 from fieldcheck.answers import rows_sorted
 from fieldcheck.calls import Call, Values
-from fieldcheck.compared import Case, are_single_whole_numbers, are_truth_values, compared
 from fieldcheck.question import Question, scale
 from fieldcheck.shapes import ORDINALS
-from fieldcheck.which_cases import integers, single_precision, sizes, which
+from fieldcheck.wrong_values.compared import (
+    Case,
+    are_single_whole_numbers,
+    are_truth_values,
+    compared,
+)
+from fieldcheck.wrong_values.which_cases import integers, single_precision, sizes, which
 
 CLOSE = 1e-6
 """Relative difference of factors that count as equal."""

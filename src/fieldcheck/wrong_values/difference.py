@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
-from fieldcheck.compared import are_truth_values
 from fieldcheck.question import LEAST_TOLERANCE, Question, scale
 from fieldcheck.shapes import ORDINALS, are_whole
+from fieldcheck.wrong_values.compared import are_truth_values
 
 MATCHED = 1e-3
 """Relative error below which it is known which right entry, or which sign, a value is meant for."""

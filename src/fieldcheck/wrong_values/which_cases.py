@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fieldcheck.compared import Case, are_single_whole_numbers
 from fieldcheck.question import scale
+from fieldcheck.wrong_values.compared import Case, are_single_whole_numbers
 
 LOST = 1e-3
 """Relative errors below this one are no decimals that an array of integers has lost."""

@@ -1,0 +1,1 @@
+"""Constructed inputs that several questions share."""
