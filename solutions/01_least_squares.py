@@ -28,13 +28,14 @@
 # Algebra*, the chapter on orthogonality; Trefethen and Bau, *Numerical Linear Algebra*, lectures 11
 # and 18.
 #
-# Each question asks for a function or for an answer in words. Write the function, run its cell,
-# and run the check below it. The check reports whether the function is right and, if it is not,
-# which mistake is likely. Then `case()`, in a new cell, shows the inputs for which your function
-# failed, and your values. If everybody has the same inputs, it also shows the right values. A
-# function must not change its arguments. In all notebooks arrays may hold integers, as
-# `np.array([1, 2])` does, so small that no product of them overflows; `x.astype(float)` is an array
-# of real numbers. Compute with NumPy's default type, float64; float32 has too few digits.
+# Each question asks for a function or for an answer in words. Write the function, run its cell, and
+# run the check below it. The check reports whether the function is right and, if it is not, which
+# mistake is likely. Then `case()`, in a new cell, shows the inputs for which your function failed,
+# and your values. If everybody has the same inputs, it also shows the right values. A function must
+# not change its arguments. In all notebooks arrays may hold integers, as `np.array([1, 2])` does,
+# so small that no product of them overflows; `x.astype(float)` is an array of real numbers. A list
+# counts as an array, an array with one entry as a number, and a complex number without imaginary
+# part as a real one. Compute with NumPy's default type, float64; float32 has too few digits.
 
 # %% tags=["setup"]
 import numpy as np

@@ -33,7 +33,7 @@ def outside(seed):
         Call("weights", (nodes, random.uniform(-0.2, 1.2, (67, 2))), "67 points"),
         Call("weights", (nodes[1:], random.uniform(-0.2, 1.2, (101, 2))), "101 points"),
         Call("weights", (grid(random, 7, 7), random.uniform(0, 3, (5, 2))), "49 nodes"),
-        Call("weights", (grid(random, 43), random.uniform(0, 20, (5, 1))), "43 nodes on a line"),
+        Call("weights", (grid(random, 12), random.uniform(0, 6, (5, 1))), "12 nodes on a line"),
         Call("weights", (nodes / 16, random.uniform(0, 0.06, (4, 2))), "close nodes"),
     )
 

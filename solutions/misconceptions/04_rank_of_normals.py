@@ -590,7 +590,7 @@ def holds_always(points, normals):
 
 @answers("04.5")
 def only_not_on_one_line(points, normals):
-    """The answer is only whether all points are on one line. No direction omits a sample here. For
+    """The answer is only that not all points are on one line. No direction omits a sample here. For
     which directions m is n · m zero for some sample?
     """
     return spans(points)

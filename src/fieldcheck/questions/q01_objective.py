@@ -8,8 +8,17 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.inputs.variants import one_changed
-from fieldcheck.question import Question, law, relative
+from fieldcheck.question import LEAST_TOLERANCE, Question, law, relative
 from fieldcheck.questions.q01_least_squares import cloud, whole
+
+LARGE = 1e6
+"""The size of values whose squares lose the digits of residuals of size one."""
+
+
+def rounding_of_residuals(values: np.ndarray) -> float:
+    """Return the relative rounding error of ψ, if large values have residuals of size one."""
+    return max(LEAST_TOLERANCE, 1000 * float(np.finfo(float).eps * np.abs(values).max()))
+
 
 # 01.6 The objective
 
@@ -19,18 +28,25 @@ def objective_inputs(seed: int) -> tuple[Call, ...]:
     random = np.random.default_rng(seed)
     plane, space = cloud(random, 9, 2), cloud(random, 6, 3)
     c, data = random.normal(size=3), random.normal(size=9)
+    d, offset = random.normal(size=4), LARGE * np.eye(4)[0]
     exact = c[0] + plane @ c[1:]
     general = calls_of(
         "objective",
         ((plane, data, c), "nine points in the plane"),
         ((plane, 2 * exact - data, c), "nine points with the opposite residual"),
         ((plane, exact + 3 * (data - exact), c), "nine points with three times the residual"),
-        ((space, random.normal(size=6), random.normal(size=4)), "six points in space"),
+        ((space, random.normal(size=6), d), "six points in space"),
+    )
+    large = calls_of(
+        "objective",
+        ((plane, LARGE + data, c + offset[:3]), "values of about 10⁶, and residuals of about one"),
+        ((space, data[:6] - LARGE, d - offset), "six values of about −10⁶ in space"),
     )
     return (
         *general,
         *unusual_data(random),
         *few_points(random),
+        *large,
         *one_changed(
             general[0],
             ("other coordinates", cloud(random, 9, 2)),
@@ -97,8 +113,8 @@ def unusual_data(random: np.random.Generator) -> tuple[Call, ...]:
 
 
 @law(
-    "ψ must be a square: the same for the opposite residual, and nine times as large for three "
-    "times the residual."
+    "ψ must depend on the residuals only: it must be the same for opposite ones, and nine times as "
+    "large for three times the residuals."
 )
 def is_a_square(_: Sequence[Call], values: Sequence[Values]) -> float:
     """Return the deviation of ψ from an even and quadratic function of the residual."""
@@ -114,6 +130,7 @@ QUESTIONS = (
         objective_inputs,
         lambda _: ((),),
         (is_a_square,),
+        lambda call: rounding_of_residuals(call.arguments[1]),
         may_call=("01.3",),
     ),
 )

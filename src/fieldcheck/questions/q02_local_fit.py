@@ -10,6 +10,7 @@ import numpy as np
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.inputs.variants import one_changed
 from fieldcheck.question import Question, law, law_of_each, relative
+from fieldcheck.questions.q01_objective import LARGE, rounding_of_residuals
 
 EPS = float(np.finfo(float).eps)
 TINY = 1e-10
@@ -442,6 +443,14 @@ def unusual_objectives(plane: Call, space: Call) -> tuple[Call, ...]:
         "objective",
         ((p, TINY * v, x, epsilon, TINY * c), "nine points, values of size 10⁻¹⁰"),
         ((q, TINY * data, y, width, TINY * k), "six points in space, values of size 10⁻¹⁰"),
+        (
+            (p, LARGE + v, x, epsilon, c + LARGE * np.eye(3)[0]),
+            "values of about 10⁶, and residuals of about one",
+        ),
+        (
+            (q, data - LARGE, y, width, k - LARGE * np.eye(4)[0]),
+            "six values of about −10⁶ in space",
+        ),
         ((p[:3], v[:3], x, epsilon, c), "three points in the plane"),
         ((q[:2], data[:2], y, width, k), "two points in space"),
         ((p[:1], v[:1], x, epsilon, c), "one point of the plane"),
@@ -495,5 +504,6 @@ QUESTIONS = (
         objective_inputs,
         lambda _: ((),),
         (is_quadratic, depends_on_the_residual_only),
+        lambda call: rounding_of_residuals(call.arguments[1]),
     ),
 )

@@ -155,9 +155,9 @@ SAME = 1e-5
 
 
 @law_of_each(
-    "One eigenvalue must count as zero for each independent affine field that vanishes at all "
-    "points, and one for each point that occurs a second time, nearly or exactly. No other "
-    "eigenvalue may count as zero.",
+    "Eigenvalues below 10⁻¹² times the largest count as zero. There must be one for each "
+    "independent affine field that vanishes at all points, to rounding, and one for each repeated "
+    "point.",
     amount="the number of zeros is off by {:.0f}",
 )
 def is_singular_where_it_must(call: Call, values: Values) -> float:

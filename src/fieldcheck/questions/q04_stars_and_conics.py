@@ -217,6 +217,16 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
             )
             for n in (3, 4)
         ),
+        (
+            1e-3 * beside_a_line(random, 5, 1e-8),
+            directions(random, 5),
+            "five points at distances of 10⁻³, up to 10⁻¹¹ from a line",
+        ),
+        (
+            np.append(1e-4 * beside_a_line(random, 3, 1e-7), points[:4], axis=0),
+            parallel_except(random, 7, (0, 1, 2)),
+            "parallel normals but for three at distances of 10⁻⁴, up to 10⁻¹¹ from a line",
+        ),
     )
     return (
         *(Call("obvious", (p, n), case) for p, n, case in cases),
@@ -228,7 +238,7 @@ HOLDS = (
     *(1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 1, 0, 0, 1),
     *(0, 1, 0, 1, 1, 1, 1, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1, 1),
     *(0, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 0, 1, 1),
-    *(0, 0, 1, 1, 0, 0, 1, 1),
+    *(0, 0, 1, 1, 0, 0, 1, 1, 0, 0),
 )
 
 

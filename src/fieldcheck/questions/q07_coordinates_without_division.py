@@ -64,7 +64,7 @@ def safe_inputs(seed: int) -> tuple[Call, ...]:
         Call(
             name,
             (other, other_rim, points_inside(random, other, other_corners, 3)),
-            "neighbours listed clockwise",
+            "five neighbours, listed clockwise",
         ),
         Call(name, on_square, "the edges and corners of a square cell", exact=(0, 1, 2)),
         Call(name, tiny, "the edges and corners of a square of the size 10⁻⁹", exact=(0, 1, 2)),
@@ -72,7 +72,7 @@ def safe_inputs(seed: int) -> tuple[Call, ...]:
         Call(
             name,
             (other, other_rim, points_outside(other, other_corners)),
-            "points outside, neighbours listed clockwise",
+            "points outside, five neighbours listed clockwise",
         ),
         *(
             Call(name, (*cell[:2], whole), case)

@@ -311,6 +311,16 @@ def uneven_cell(
     return center, np.roll(corners, -first, axis=0)
 
 
+def odd_rectangle(random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Return the midpoint and the corners of a rectangle; the corners are integers.
+
+    The midpoint of the first two is none, since the width is odd.
+    """
+    sides = 2 * random.integers(20, 90, 2) + np.array([1, 0])
+    corners = random.integers(-90, 90, 2) + sides * np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+    return corners.mean(axis=0), corners
+
+
 def spiral_inputs(seed: int) -> tuple[Call, ...]:
     """Return an irregular cell, a hexagon, an irregular pentagon, listed clockwise, and cells of
     integers.
@@ -322,6 +332,7 @@ def spiral_inputs(seed: int) -> tuple[Call, ...]:
     middle = random.normal(size=2)
     regular = middle + 0.7 * np.column_stack([turns.real, turns.imag])
     eight, four = ((cell[0].astype(int), cell[2]) for cell, _ in cells_of_integers(random))
+    wide, high = odd_rectangle(random), odd_rectangle(random)
     calls = calls_of(
         "spiral",
         ((center, corners, 12), "twelve points in an uneven cell"),
@@ -331,6 +342,11 @@ def spiral_inputs(seed: int) -> tuple[Call, ...]:
         ((other, five, 1), "one point"),
         ((*eight, 12), "twelve points in a cell of integers"),
         ((*four, 7), "seven points in a cell of integers"),
+        ((*wide, 9), "nine points in a rectangle of odd width, integers"),
+        (
+            (high[0][::-1], high[1][:, ::-1], 5),
+            "five points in a rectangle of odd height, integers",
+        ),
         ((other, five, 61), "61 points"),
         ((middle, regular, 122), "122 points in a regular hexagon"),
         *(

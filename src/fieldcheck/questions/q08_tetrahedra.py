@@ -164,7 +164,7 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((center, center + edges[[1, 0, 2]]), "the same tips in another order"),
         (
             (-center, random.uniform(1, 2, (3, 1)) * frame - center),
-            "perpendicular edges, left-handed",
+            "perpendicular edges",
         ),
         ((center, integers(edges)), "tips in an array of integers"),
         ((-center, integers(edges[[2, 0, 1]], 7)), "tips in an array of small integers"),

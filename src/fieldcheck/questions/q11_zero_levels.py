@@ -254,7 +254,7 @@ def of_small_values(
     sites: np.ndarray, weights: np.ndarray, plane: np.ndarray
 ) -> tuple[np.ndarray, ...]:
     """Return a function (11.7) with the same zero level, whose values and gradients are small."""
-    return sites, 2.0**-30 * weights, 2.0**-30 * plane
+    return sites, 2.0**-100 * weights, 2.0**-100 * plane
 
 
 def newton_inputs(seed: int) -> tuple[Call, ...]:
@@ -289,10 +289,10 @@ def newton_inputs(seed: int) -> tuple[Call, ...]:
             (*of_the_size(2.0**-60, near_diagonals(random, 4, 3), *space), 3),
             "three steps in space, with lengths and values of about 10⁻¹⁸",
         ),
-        ((x, *of_small_values(*plane), 2), "two steps, values of F of about 10⁻⁹"),
+        ((x, *of_small_values(*plane), 2), "two steps, values of F of about 10⁻³⁰"),
         (
             (near_diagonals(random, 4, 3), *of_small_values(*space), 1),
-            "one step in space, values of F of about 10⁻⁹",
+            "one step in space, values of F of about 10⁻³⁰",
         ),
     )
 
