@@ -563,15 +563,15 @@ def three_sites(sites, u, feet):
 
 @answers("13.8")
 def exchanged(sites, u, feet):
-    """The upper bound was returned first. The docstring requires l, then h."""
+    """The upper bound was returned first. The question asks for the lower bound first."""
     near = u[around(sites, feet, 4)]
     return near.max(axis=1), near.min(axis=1)
 
 
 @answers("13.8")
 def of_the_extreme_values(sites, u, feet):
-    """The values were sorted instead of the distances: these are extreme values of the four
-    smallest values.
+    """The values were sorted, so these are extreme values of the four smallest values, not of
+    those at the nearest sites.
     """
     near = np.sort(u)[:4]
     return np.full(len(feet), near.min()), np.full(len(feet), near.max())

@@ -181,6 +181,8 @@ def other_units_and_numbers(random: np.random.Generator) -> tuple[Call, ...]:
         ((integers, random.normal(size=9)), "nine points of the plane, integers"),
         ((more, random.normal(size=10)), "ten points of space, integers"),
         ((more, random.integers(-9, 10, 10)), "ten points of space and their values, integers"),
+        ((plane, 1e-12 * random.normal(size=18)), "eighteen values of about 10⁻¹²"),
+        ((space, 1e-12 * random.normal(size=16)), "sixteen values of about 10⁻¹², in space"),
     )
 
 
@@ -268,6 +270,13 @@ def field_inputs(name: str, seed: int) -> tuple[Call, ...]:
             (
                 (random.normal(size=4), random.normal(size=(71, 3))),
                 "71 evaluation points in space",
+            ),
+            *(
+                ((1e-12 * random.normal(size=d + 1), random.normal(size=(3, d))), case)
+                for d, case in (
+                    (2, "coefficients of about 10⁻¹² in the plane"),
+                    (3, "coefficients of about 10⁻¹² in space"),
+                )
             ),
             *(
                 ((random.normal(size=d + 1), 1e4 * random.normal(size=(3, d))), case)

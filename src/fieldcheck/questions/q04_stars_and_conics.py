@@ -217,6 +217,12 @@ def obvious_inputs(seed: int) -> tuple[Call, ...]:
             )
             for n in (3, 4)
         ),
+        (beside_a_line(random, 5, 3e-7), directions(random, 5), "five points 10⁻⁷ from a line"),
+        (
+            np.append(beside_a_line(random, 3, 3e-7), points[:4], axis=0),
+            parallel_except(random, 7, (0, 1, 2)),
+            "parallel normals but for three 10⁻⁷ from a line",
+        ),
         (
             1e-3 * beside_a_line(random, 5, 1e-8),
             directions(random, 5),
@@ -238,7 +244,7 @@ HOLDS = (
     *(1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 1, 0, 0, 1),
     *(0, 1, 0, 1, 1, 1, 1, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1, 1),
     *(0, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 0, 1, 1),
-    *(0, 0, 1, 1, 0, 0, 1, 1, 0, 0),
+    *(0, 0, 1, 1, 0, 0, 1, 1, 1, 1, 0, 0),
 )
 
 

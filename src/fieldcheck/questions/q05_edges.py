@@ -298,7 +298,7 @@ def normal_velocities_inputs(seed: int) -> tuple[Call, ...]:
         ((np.array([[1, 0]]), normals[:1], u[:2]), "one edge between two vertices"),
         *(
             ((edges, normals, size * u), f"velocities of the size {words}")
-            for size, words in ((1e-5, "10⁻⁵"), (1e-9, "10⁻⁹"), (1e5, "10⁵"), (1e9, "10⁹"))
+            for size, words in ((1e-5, "10⁻⁵"), (1e-12, "10⁻¹²"), (1e5, "10⁵"), (1e9, "10⁹"))
         ),
         ((edges + 3, normals, u[np.arange(-3, len(u))]), "no edge of the first three vertices"),
         ((edges + 1, normals, u[np.arange(-1, len(u))]), "no edge of the first vertex"),

@@ -241,7 +241,7 @@ def velocity_inputs(seed: int) -> tuple[Call, ...]:
         ),
         *(
             ((p, n, size * v, x, w), f"the first edges, velocities of the size {words}")
-            for size, words in ((1e-5, "10⁻⁵"), (1e-9, "10⁻⁹"), (1e5, "10⁵"), (1e9, "10⁹"))
+            for size, words in ((1e-5, "10⁻⁵"), (1e-12, "10⁻¹²"), (1e5, "10⁵"), (1e9, "10⁹"))
         ),
         *(
             ((p, n, v, x, size * w), f"the first edges, all weights times {words}")

@@ -23,7 +23,7 @@ def hexagon_inputs(seed: int) -> tuple[Call, ...]:
     """Return centres, radii and angles; each coordinate and the angle have both signs."""
     random = np.random.default_rng(seed)
     large = random.uniform(-90, 90, 2), random.uniform(20, 40), random.uniform(3.5, 6)
-    tiny = random.uniform(-1e-7, 1e-7, 2), random.uniform(1e-7, 2e-7), -random.uniform(3.5, 6)
+    tiny = 1e-12 * random.uniform(-1, 1, 2), 1e-12 * random.uniform(1, 2), -random.uniform(3.5, 6)
     small, clockwise, another = (
         (random.uniform(1, 2, 2) * signs, random.uniform(*radius), turn)
         for signs, radius, turn in (
@@ -38,7 +38,7 @@ def hexagon_inputs(seed: int) -> tuple[Call, ...]:
         (clockwise, "a large hexagon, turned clockwise"),
         (another, "another hexagon, turned clockwise"),
         (large, "a radius of more than 20, turned by more than 200°"),
-        (tiny, "a radius of the size 10⁻⁷, turned clockwise by more than 200°"),
+        (tiny, "a radius of the size 10⁻¹², turned clockwise by more than 200°"),
         (
             (random.integers(1, 9, 2) * [1, -1], *small[1:]),
             "the first hexagon, a centre of integers",

@@ -432,6 +432,7 @@ def interpolate_inputs(seed: int) -> tuple[Call, ...]:
         for size, words in ((1e6, "10⁶"), (1e-9, "10⁻⁹")):
             scaled = (*(size * part for part in same), phi, size * x)
             calls.append(Call("interpolate", scaled, f"{call.case}, a cell of the size {words}"))
+        calls.append(Call("interpolate", (*same, 1e-12 * phi, x), f"{call.case} times 10⁻¹²"))
     for n, m, case in (
         (3, 69, "69 points and three values"),
         (4, 101, "101 points and four values"),

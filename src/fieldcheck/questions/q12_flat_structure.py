@@ -49,6 +49,8 @@ def flat_inputs(seed: int) -> tuple[Call, ...]:
             )
         ),
         ((nodes, points[[0, 1, 1, 2]], forces[:4]), "two forces at the same point"),
+        ((nodes, points, 1e-12 * forces[::-1]), "five forces of about 10⁻¹²"),
+        ((nodes, points[1:], 1e-12 * forces[:4]), "four forces of about 10⁻¹²"),
         (
             (nodes, points[[3, 3, 4]] * [[1, 1, 1], [1, 1, -2], [1, 1, 1]], forces[1:4]),
             "two forces at the same point of the plate, at different heights",

@@ -100,6 +100,8 @@ def slopes_inputs(seed: int) -> tuple[Call, ...]:
         Call("slopes", (1e3 * plane, 1e3 * x), "twelve nodes in the plane, in millimetres"),
         Call("slopes", (2.0**-19 * plane, 2.0**-19 * x), "twelve nodes in the plane, 10⁻⁶ apart"),
         Call("slopes", (2.0**-19 * line, 2.0**-19 * y), "five nodes on the line, 10⁻⁶ apart"),
+        Call("slopes", (2.0**40 * plane, 2.0**40 * x), "twelve nodes in the plane, 10¹² apart"),
+        Call("slopes", (2.0**40 * line, 2.0**40 * y), "five nodes on the line, 10¹² apart"),
         Call("slopes", (line, points), "two points between two nodes of the line"),
     )
 
