@@ -33,9 +33,10 @@
 # mistake is likely. Then `case()`, in a new cell, shows the inputs for which your function failed,
 # and your values. If everybody has the same inputs, it also shows the right values. A function must
 # not change its arguments. In all notebooks arrays may hold integers, as `np.array([1, 2])` does,
-# so small that no product of them overflows; `x.astype(float)` is an array of real numbers. A list
-# counts as an array, an array with one entry as a number, and a complex number without imaginary
-# part as a real one. Compute with NumPy's default type, float64; float32 has too few digits.
+# so small that no product of them overflows; `x.astype(float)` is an array of real numbers.
+# Returned lists count as arrays, an array with one entry as a number, and a complex number without
+# imaginary part as a real one. Compute with NumPy's default type, float64; float32 has too few
+# digits.
 
 # %% tags=["setup"]
 import numpy as np
@@ -376,8 +377,9 @@ check("01.5")
 # %% [markdown]
 # ### 01.6 The objective
 #
-# Write the *objective* $\psi$ of (1.3), for any coefficients. In the example by hand
-# it is $\psi(\tfrac12, \tfrac52) = \tfrac12 (\tfrac14 + 1 + \tfrac14) = \tfrac34$.
+# Write the *objective* $\psi$ of (1.3), for any coefficients, also where the residuals are a
+# million times smaller than the values. In the example by hand it is $\psi(\tfrac12, \tfrac52) =
+# \tfrac12 (\tfrac14 + 1 + \tfrac14) = \tfrac34$.
 
 
 # %% question="01.6" minutes=10

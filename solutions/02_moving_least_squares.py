@@ -35,8 +35,9 @@
 # mistake is likely. After a check that is not right, `case()` in a new cell shows the inputs for
 # which your function failed, and your values. If everybody has the same inputs, it also shows the
 # right values. Arrays may hold integers, so small that no product of them overflows. Compute with
-# float64, NumPy's default type. A list counts as an array, an array with one entry as a number, and
-# a complex number without imaginary part as a real one. A function must not change its arguments.
+# float64, NumPy's default type. Returned lists count as arrays, an array with one entry as a
+# number, and a complex number without imaginary part as a real one. A function must not change its
+# arguments.
 
 # %% tags=["setup"]
 import numpy as np
@@ -147,7 +148,7 @@ def the_problem(x):
 # ### 02.1 The weights
 #
 # Write a function that returns the weights of all points for one evaluation point. They must be
-# accurate also far from the origin, and for arrays of integers.
+# accurate also far from the origin, at up to $10^5$ times their extent, and for arrays of integers.
 
 
 # %% question="02.1" minutes=15
@@ -460,7 +461,8 @@ def maps(n, epsilon):
 #
 # ### 02.5 The objective
 #
-# Write $\psi$ for any coefficients, not only for the best ones.
+# Write $\psi$ for any coefficients, not only for the best ones. The residuals may be a million
+# times smaller than the values.
 
 
 # %% question="02.5" minutes=10

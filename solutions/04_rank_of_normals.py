@@ -32,7 +32,7 @@
 # run the check below it. After a check that is not right, `case()` in a new cell shows the inputs
 # for which your function failed, and your values. If everybody has the same inputs, it also shows
 # the right values. Arrays may hold integers, so small that no product of them overflows. Compute
-# with float64, NumPy's default type. A list counts as an array, an array with one entry as a
+# with float64, NumPy's default type. Returned lists count as arrays, an array with one entry as a
 # number, and a complex number without imaginary part as a real one. A function must not change its
 # arguments.
 

@@ -37,7 +37,7 @@
 # check that is not right, `case()` in a new cell shows the inputs for which your function failed,
 # and your values. If everybody has the same inputs, it also shows the right values. Arrays may hold
 # integers, so small that no product of them overflows. Compute with float64, NumPy's default type.
-# A list counts as an array, an array with one entry as a number, and a complex number without
+# Returned lists count as arrays, an array with one entry as a number, and a complex number without
 # imaginary part as a real one. A function must not change its arguments.
 
 # %% tags=["setup"]
@@ -599,10 +599,10 @@ def round_trip():
 #
 # ### 10.6 The energy of the spline
 #
-# Write a function that computes $E(s)$ exactly from the moments, also where the sites are far
-# from the origin: $s''$ is a broken line, and its square is a parabola on each interval. In the
-# worked example the moments are $0, -3, 0$, and $E(s) = 3 + 3 = 6$. Integrate from $x_1$ to
-# $x_N$. In the check the moments at both ends need not be zero.
+# Write a function that computes $E(s)$ exactly from the moments, also where the sites are far from
+# the origin, some $10^4$ times as far as from each other: $s''$ is a broken line, and its square is
+# a parabola on each interval. In the worked example the moments are $0, -3, 0$, and $E(s) = 3 + 3 =
+# 6$. Integrate from $x_1$ to $x_N$. In the check the moments at both ends need not be zero.
 #
 # <details><summary>Hint</summary>
 #

@@ -38,7 +38,7 @@
 # that is not right, `case()` in a new cell shows the inputs for which your function failed, and
 # your values. If everybody has the same inputs, it also shows the right values. Arrays may hold
 # integers, so small that no product of them overflows. Compute with float64, NumPy's default type.
-# A list counts as an array, an array with one entry as a number, and a complex number without
+# Returned lists count as arrays, an array with one entry as a number, and a complex number without
 # imaginary part as a real one. A function must not change its arguments.
 
 # %% tags=["setup"]
@@ -356,10 +356,9 @@ def spanning_tree():
 # %% [markdown]
 # ### 11.3 Orientation
 #
-# The normals are given, and the links as an array of ones and zeros. Return the oriented normals.
+# Unit normals are given, and the links as an array of ones and zeros. Return the oriented normals.
 # Each component of the graph has a single highest point, where the last coordinate of the normal is
-# not zero.
-# Where several links are equally cheap, all lead to the same normals.
+# not zero. Where several links are equally cheap, all lead to the same normals.
 #
 # <details><summary>Hint 1</summary>
 #
@@ -599,7 +598,7 @@ def beside(distance):
 # ### 11.7 Newton's method
 #
 # Return the points after the given number of steps (11.9); for 0 steps, the given points. The
-# values of $F$ and its gradients may be of any size, such as $10^{-30}$.
+# values of $F$ and its gradients may be as small as $10^{-30}$.
 
 
 # %% question="11.7" minutes=15 optional

@@ -41,7 +41,7 @@
 # that is not right, `case()` in a new cell shows the inputs for which your function failed, and
 # your values. If everybody has the same inputs, it also shows the right values. Arrays may hold
 # integers, so small that no product of them overflows. Compute with float64, NumPy's default type.
-# A list counts as an array, an array with one entry as a number, and a complex number without
+# Returned lists count as arrays, an array with one entry as a number, and a complex number without
 # imaginary part as a real one. A function must not change its arguments.
 
 # %% tags=["setup"]
@@ -649,8 +649,9 @@ check("13.8")
 # <details><summary>Hint</summary>
 #
 # There are two ways. Bisection: $\lambda$ lies between $\min_j (u_j^{\min} - \tilde u_j)$ and
-# $\max_j (u_j^{\max} - \tilde u_j)$; halve this interval a hundred times. Or exactly: at which
-# $\lambda$ does the slope of the mass change? Compute the masses there, and use `np.interp`.
+# $\max_j (u_j^{\max} - \tilde u_j)$; halve this interval until its midpoint is one of its ends. Or
+# exactly: at which $\lambda$ does the slope of the mass change? Compute the masses there, and use
+# `np.interp`.
 #
 # </details>
 

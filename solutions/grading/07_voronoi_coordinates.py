@@ -92,7 +92,9 @@ def few_points(seed):
     )
 
 
-@hidden("07.8", "The coordinates must be right on edges, in corners, far outside, and in every unit.")
+@hidden(
+    "07.8", "The coordinates must be right on edges, in corners, far outside, and in every unit."
+)
 def on_other_edges(seed):
     random = np.random.default_rng(seed + 5)
     corners = octagon(random)

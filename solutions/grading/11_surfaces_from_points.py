@@ -94,11 +94,14 @@ def other_units(seed):
 def nearly_perpendicular(seed):
     random = np.random.default_rng(seed + 10)
     calls = []
-    for n, case in ((6, "a chain of six points"), (9, "a chain of nine points")):
-        turn = np.cumsum(np.pi / 2 + random.choice([-1, 1], n) * random.uniform(0.01, 0.04, n))
+    for n, case in ((20, "a chain of twenty points"), (40, "a chain of forty points")):
+        turn = np.cumsum(
+            np.pi / 2 + random.choice([-1, 1], n) * 10.0 ** random.uniform(-7, -1.5, n)
+        )
         points = np.column_stack([random.uniform(-1, 1, n), -np.arange(n)])
         chain = np.eye(n, k=1, dtype=int) + np.eye(n, k=-1, dtype=int)
-        given = random_signs(random, np.column_stack([np.cos(turn), np.sin(turn)]))
+        signs = random.choice([-1.0, 1.0], (n, 1))
+        given = signs * np.column_stack([np.cos(turn), np.sin(turn)])
         calls.append(Call("orient", (points, given, chain), case))
     return tuple(calls)
 

@@ -135,7 +135,7 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
     general = (
         (points, directions(random, 8), "eight samples in the plane"),
         (points[:5], directions(random, 5), "five samples"),
-        (1e-10 * nine, directions(random, 9), "nine samples in a square of 10⁻¹⁰"),
+        (1e-15 * nine, directions(random, 9), "nine samples in a square of 10⁻¹⁵"),
         (1e10 * nine, directions(random, 9), "nine samples in a square of 10¹⁰"),
         (MAP + 0.01 * nine, directions(random, 9), "nine samples, 10⁷ away"),
         (space, sphere(random, 14), "fourteen samples in space"),
@@ -146,7 +146,7 @@ def rank_inputs(seed: int) -> tuple[Call, ...]:
         ),
         (points, nearly_towards(random, points, 3e-6), "normals that nearly meet in a point"),
         (nine, nearly_towards(random, nine, 2e-6), "normals that very nearly meet in a point"),
-        (1e-10 * space, sphere(random, 14), "fourteen samples in a cube of 10⁻¹⁰"),
+        (1e-15 * space, sphere(random, 14), "fourteen samples in a cube of 10⁻¹⁵"),
         (points, nearly_towards(random, points, 1e-10), "normals within 10⁻¹⁰ of meeting"),
         (
             1e5 * nine,
@@ -371,6 +371,8 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((seven, np.array([-0.5, 0, 0, 0, -1.5, 0])), "a shear flow along the first axis"),
         ((five, np.array([0, -3.0, 0, 0, 0, 0])), "a constant flow along the second axis"),
         ((seven, np.array([0, 0.4, 0, 2.0, 0, 0])), "a shear flow along the second axis"),
+        ((seven - [1.1, 0.0], np.array([0, 0, 2.0, 0, 0, 2.0])), "an expansion from the origin"),
+        ((five - 0.5, np.array([0, 0, -0.5, 0, 0, -0.5])), "a contraction to the origin"),
         ((integers(seven - [1.1, 0.0]), flow(random)), "seven points, integers"),
         ((integers(five - 0.5), random.integers(1, 9, 6)), "points and coefficients, integers"),
         ((five - [1.1, 3.0], 1e-15 * flow(random)), "another very slow flow"),

@@ -330,8 +330,8 @@ def star_inputs(seed: int) -> tuple[Call, ...]:
     steps = [[1, 0], [1, 1], [0, 1], [-1, 0], [-1, -1], [0, -1]]
     at_right_angles = vertex + steps * np.array([width, height])
     calls.append(Call("star_samples", (vertex, at_right_angles), "a vertex of a regular grid"))
-    tiny = 1e-9 * calls[0].arguments[1]
-    calls.append(Call("star_samples", (1e-9 * calls[0].arguments[0], tiny), "a star of 10⁻⁹"))
+    tiny = 1e-15 * calls[0].arguments[1]
+    calls.append(Call("star_samples", (1e-15 * calls[0].arguments[0], tiny), "a star of 10⁻¹⁵"))
     for call in (*calls[2:4], calls[5]):
         whole = tuple(integers(argument) for argument in call.arguments)
         calls.append(Call("star_samples", whole, f"{call.case}, integers"))
@@ -394,8 +394,8 @@ def conic_inputs(seed: int) -> tuple[Call, ...]:
         (eight, "eight points"),
         (five, "five points"),
         (1e-6 * eight, "eight points in a square of 10⁻⁶"),
-        (1e-9 * cloud(random, 7, 2), "seven points in a square of 10⁻⁹"),
-        (1e-10 * cloud(random, 9, 2), "nine points in a square of 10⁻¹⁰"),
+        (1e-15 * cloud(random, 7, 2), "seven points in a square of 10⁻¹⁵"),
+        (1e-15 * cloud(random, 9, 2), "nine points in a square of 10⁻¹⁵"),
         (1e6 * cloud(random, 9, 2), "nine points in a square of 10⁶"),
         (MAP + 10 * eight, "eight points, 10⁷ away"),
         (MAP[::-1] + cloud(random, 9, 2), "nine points, 10⁷ away"),

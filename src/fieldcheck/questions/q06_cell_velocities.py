@@ -80,14 +80,19 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ((triangle(random, False, 0.5),), "a smaller triangle, clockwise"),
         ((obtuse(random),), "an obtuse triangle"),
         ((along_the_axes(random),), "a triangle with two sides along the axes"),
-        ((1e-12 * triangle(random, False),), "a triangle of the size 10⁻¹², clockwise"),
-        ((1e-12 * triangle(random, True),), "a triangle of the size 10⁻¹², counter-clockwise"),
+        ((1e-15 * triangle(random, False),), "a triangle of the size 10⁻¹⁵, clockwise"),
+        ((1e-15 * triangle(random, True),), "a triangle of the size 10⁻¹⁵, counter-clockwise"),
         ((integers(triangle(random, True), 1e4),), "a triangle of integers, counter-clockwise"),
         ((integers(triangle(random, False), 1e4),), "a triangle of integers, clockwise"),
         ((1e8 * triangle(random, True),), "a triangle of the size 10⁸, counter-clockwise"),
         ((1e8 * triangle(random, False),), "a triangle of the size 10⁸, clockwise"),
         ((flat_and_oblique(random, 1e-3),), "a flat triangle"),
         ((flat_and_oblique(random, 1e-3)[::-1].copy(),), "a flat triangle, clockwise"),
+        ((flat_and_oblique(random, 1e-4),), "heights of about 2 · 10⁻⁵ of the sides"),
+        (
+            (flat_and_oblique(random, 1e-4)[::-1].copy(),),
+            "heights of about 2 · 10⁻⁵ of the sides, clockwise",
+        ),
     )
     far = tuple(
         Call(
@@ -301,6 +306,8 @@ def circumcentre_inputs(seed: int) -> tuple[Call, ...]:
         ((1e-6 * triangle(random, True),), "a triangle of the size 10⁻⁶"),
         ((1e5 * triangle(random, True),), "a triangle of the size 10⁵"),
         ((1e5 * obtuse(random),), "an obtuse triangle of the size 10⁵"),
+        ((1e12 * triangle(random, False),), "a triangle of the size 10¹²"),
+        ((1e12 * obtuse(random),), "an obtuse triangle of the size 10¹²"),
     )
     small = tuple(
         Call("circumcenter", (small_at_a_place(random, p, TINY),), case, exact=(0,))

@@ -149,7 +149,7 @@ def raviart_thomas_inputs(seed: int) -> tuple[Call, ...]:
                 ([1e-5, 1], "a triangle as narrow as a needle"),
             )
         ),
-        ((1e-12 * q, v, 1e-12 * on[1] + 1e-13), "a triangle of the size 10⁻¹²"),
+        ((1e-15 * q, v, 1e-15 * on[1] + 1e-16), "a triangle of the size 10⁻¹⁵"),
         ((integers(q), v, integers(random.random(2))), "a triangle and a point, integers"),
         ((integers(q), integers(v), random.random(2)), "a triangle and velocities, integers"),
         ((q, v, np.array([1, 2])), "a point of integers"),

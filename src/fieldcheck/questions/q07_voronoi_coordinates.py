@@ -180,8 +180,8 @@ def weights_inputs(seed: int) -> tuple[Call, ...]:
     for cell, inside, case in cells_with_integer_vertices(random):
         calls.append(Call("weights", (*cell, inside[0]), case))
     for call in calls[:2]:
-        huge = tuple(1e6 * part for part in call.arguments)
-        calls.append(Call("weights", huge, f"{call.case}, everything of the size 10⁶"))
+        huge = tuple(1e9 * part for part in call.arguments)
+        calls.append(Call("weights", huge, f"{call.case}, everything of the size 10⁹"))
         center, rim, corners, x = call.arguments
         other = point_for_weights(random, center, rim, corners)
         calls.append(Call("weights", (center, rim, corners, other), f"{call.case}, another point"))

@@ -154,6 +154,7 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
     frame = -np.sign(np.linalg.det(frame)) * frame
     name = "volume_of_normals"
     obtuse = edges * [[1], [1], [-1]]
+    nearly_in_one_plane = np.array([[1, 0, 0], [0, 1, 0], [0.4, -0.7, 0.01]]).dot(edges)
     calls = calls_of(
         name,
         ((center, center + edges), "a tetrahedron"),
@@ -168,10 +169,10 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
         ),
         ((center, integers(edges)), "tips in an array of integers"),
         ((-center, integers(edges[[2, 0, 1]], 7)), "tips in an array of small integers"),
-        ((2.0**-34 * center, 2.0**-34 * (center + edges)), "a tetrahedron of the size 10⁻¹⁰"),
+        ((2.0**-50 * center, 2.0**-50 * (center + edges)), "a tetrahedron of the size 10⁻¹⁵"),
         ((center, center + obtuse), "obtuse angles"),
         ((-center, obtuse[[2, 0, 1]] - center), "obtuse angles elsewhere"),
-        ((2.0**-30 * center, 2.0**-30 * (center + obtuse)), "obtuse angles, the size 10⁻⁹"),
+        ((2.0**-50 * center, 2.0**-50 * (center + obtuse)), "obtuse angles, the size 10⁻¹⁵"),
         ((2.0**30 * center, 2.0**30 * (center + edges)), "a tetrahedron of the size 10⁹"),
         ((1e6 * center, 1e6 * (center + obtuse)), "obtuse angles, the size 10⁶"),
         (
@@ -182,6 +183,8 @@ def normals_inputs(seed: int) -> tuple[Call, ...]:
             (np.array([1, 3, -2]), np.array([1, 3, -2]) + integers(obtuse)),
             "a vertex and other tips in arrays of integers",
         ),
+        ((center, center + nearly_in_one_plane), "edges nearly in one plane"),
+        ((-center, 2 * nearly_in_one_plane[::-1] - center), "other edges nearly in one plane"),
         ((random.integers(-9, 10, 3), 20 * edges), "a vertex in an array of integers"),
         ((random.integers(-9, 10, 3), 30 * obtuse), "a vertex of integers, obtuse angles"),
     )

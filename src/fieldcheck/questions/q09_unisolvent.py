@@ -180,7 +180,7 @@ def vanishing_inputs(seed: int) -> tuple[Call, ...]:
                 f"nine points in a box of {box}, {which} two the same, degree 2",
             )
             for first, last, which in (((0, 0), (7, 8), "the first"), ((0, 1), (8, 8), "the last"))
-            for size, box in ((1e-8, "10⁻⁸"), (1e-9, "10⁻⁹"), (1e8, "10⁸"))
+            for size, box in ((1e-8, "10⁻⁸"), (1e-15, "10⁻¹⁵"), (1e8, "10⁸"))
         ),
         (beside_zero, 1, "nine points within 10⁻¹³ of a horizontal line, degree 1"),
         (beside_zero[:, ::-1], 2, "nine points within 10⁻¹³ of a vertical line, degree 2"),

@@ -56,6 +56,10 @@ def iterates_inputs(seed: int) -> tuple[Call, ...]:
         ((*chain, 0.8, 4), "a chain of three nodes"),
         ((*wing(random, 4, 6), 1.1, 3), "a chain of four nodes"),
         ((k, h, 1e-12 * rest, slope, 0.8, 4), "a chain of three nodes under tiny loads"),
+        *(
+            ((unit * k, h, unit * rest, unit * slope, 0.8, 4), f"all forces times {words}")
+            for unit, words in ((2.0**-40, "10⁻¹²"), (2.0**40, "10¹²"))
+        ),
         ((*one, 0.15, 240), "a section with 240 small steps"),
         ((k, h, integers(rest), slope, 0.8, 4), "a chain of three nodes, its loads integers"),
         ((*one[:2], integers(one[2]), one[3], 0.5, 4), "a section, its loads integers"),

@@ -55,6 +55,8 @@ def edge_surfaces(seed: int) -> dict[str, Surface]:
         "triangles like three pages of a book": shuffled(random, book(3)),
         **thousands(random),
         **numbers_on_both_sides(random),
+        "triangles like 300 pages of a book": shuffled(random, book(300)),
+        "triangles like 513 pages of a book": shuffled(random, book(513)),
     }
 
 
@@ -62,6 +64,7 @@ TIMES = (
     *((0, 108), (14, 58), (22, 6, 3, 0, 5), (0, 60), (0, 672), (0, 768)),
     *((0, 102, 9), (0, 66, 9), (6,), (6,), (3, 204), (3, 204), (6,), (6,), (5, 4), (6, 0, 3)),
     *4 * ((6,),),
+    *((2 * pages, *(pages - 2) * (0,), pages) for pages in (300, 513)),
 )
 """The number of sides of these surfaces that belong to an edge of one, two, … triangles."""
 
