@@ -417,12 +417,20 @@ def results_do_not_depend_on_the_unit(case: Case) -> None:
 
 
 def results_scale_with_the_unit_of_the_data(case: Case) -> None:
-    """Data of size 1e-200 or 1e200 must give values and gradients of that size."""
+    """Data of size 1e-200, 1e-120 or 1e200 must give values and gradients of that size."""
     here, x = case.method.field(case.data), case.queries
-    for unit in (2.0**-660, 2.0**660):
+    for unit in (2.0**-660, 2.0**-400, 2.0**660):
         there = case.method.field(case.data * unit)
         assert_close(there(x) / unit, here(x), case.exact)
         assert_close(there.gradient(x) / unit, here.gradient(x), 100 * case.exact)
+
+
+@about(lambda case: case.method.degree >= 0)
+def constants_are_reproduced_at_the_ends_of_the_range_of_numbers(case: Case) -> None:
+    """Sums and products of such data overflow or lose their digits; the field must not."""
+    for constant in (5e-324, 1e-310, -3e307, 1.5e308):
+        s = case.method.field(np.full(case.n, constant))
+        assert_close(s(case.queries) / constant, np.ones(len(case.queries)), case.exact)
 
 
 def results_do_not_depend_on_the_order_of_the_sites(case: Case) -> None:
@@ -695,6 +703,7 @@ LAWS: list[Law] = [
     results_do_not_depend_on_the_axes,
     results_do_not_depend_on_the_unit,
     results_scale_with_the_unit_of_the_data,
+    constants_are_reproduced_at_the_ends_of_the_range_of_numbers,
     results_do_not_depend_on_the_order_of_the_sites,
     inputs_are_not_modified,
     a_method_copies_its_input,

@@ -538,6 +538,15 @@ class AnyLength(Wrapped):
         return super().field(np.resize(values, (len(self.points),)))
 
 
+class DataInNoUnit(Wrapped):
+    """Computes with data as they are, so that products lose their digits, and sums overflow."""
+
+    def field(self, values):
+        s = super().field(values)
+        s._prepared, s._units = self._prepare(s.values[:, None]), np.ones(1)
+        return s
+
+
 class AbsoluteTolerance(Wrapped):
     """Rounds to zero with an absolute tolerance."""
 
@@ -924,6 +933,9 @@ MUTANTS: dict[Callable[[Case], None], list[Case]] = {
         made(FARTHER, "ScaleIsNoLength", lambda p, _: RBF(p, gaussian(0.2))),
     ],
     laws.results_scale_with_the_unit_of_the_data: [wrapped(LINE, AbsoluteTolerance)],
+    laws.constants_are_reproduced_at_the_ends_of_the_range_of_numbers: [
+        wrapped(LINE, DataInNoUnit)
+    ],
     laws.results_do_not_depend_on_the_order_of_the_sites: [wrapped(PLATE, FirstSiteTakesTheRest)],
     laws.inputs_are_not_modified: [wrapped(LINE, WritesToItsInput)],
     laws.a_method_copies_its_input: [wrapped(MOVING, KeepsTheCallersArray)],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress, chunked
+from fieldrecon._numerics.data_units import in_units_of_data
 from fieldrecon._numerics.far_queries import CONSTANTS, error_of_increase, refuse_lost_constants
 
 if TYPE_CHECKING:
@@ -63,9 +64,8 @@ class Field:
         self.values.flags.writeable = False
         self._shape = values.shape[1:]
         self._dtype = values.dtype
-        self._prepared = valid.quiet_evaluate(
-            prepare or method._prepare, self.values.reshape(len(values), -1)
-        )
+        columns, self._units = in_units_of_data(self.values.reshape(len(values), -1))
+        self._prepared = valid.quiet_evaluate(prepare or method._prepare, columns)
 
     def __call__(
         self, x: ArrayLike, *, executor: Executor | None = None, progress: Progress | None = None
@@ -91,9 +91,10 @@ class Field:
         ValueError
             If x is not finite or has the wrong number of coordinates.
         numpy.linalg.LinAlgError
-            If the sites about a query do not determine the value (local methods), or if the query
-            is so far outside that rounding decides it: if the method reproduces constants, and
-            one of the data's size, added to them, is reproduced with an error of more than 1e-4.
+            If the sites about a query do not determine the value (local methods), or if rounding
+            decides it: if the method reproduces constants, and one of the data's size, added to
+            them, is reproduced with an error of more than 1e-4. That is so far outside the sites,
+            and everywhere if the kernel is too flat for the data.
         OverflowError
             If a value exceeds the range of floating-point numbers.
         """
@@ -204,7 +205,8 @@ class Field:
         order = self.method._order(queries)
         columns = int(np.prod(self._shape, dtype=int))
         result = np.empty((len(queries), columns, *tail), dtype=self._dtype)
-        work = partial(_evaluated, rows_of_result, self._prepared)
+        units = self._units.reshape(-1, *(1 for _ in tail))
+        work = partial(evaluated, rows_of_result, self._prepared, units)
         rows = max(1, self.method._chunk_rows(columns) // memory)
         for part, values in chunked(work, queries, rows, executor, progress, order):
             where = part if order is None else order[part]
@@ -213,18 +215,31 @@ class Field:
         return result.reshape((*x.shape[:-1], *self._shape, *tail))[()]
 
     def _refuse_lost_constants(self, x: np.ndarray, executor: Executor | None) -> None:
-        """Refuse queries (m, d) so far outside that a constant added to the data is lost."""
+        """Refuse queries (m, d) at which a constant added to the data is lost."""
         far = self.method._far_among(x)
         if len(far):
-            work = partial(_error_of_increase, self.method, self._prepared, *self._raised)
-            rows = self.method._chunk_rows(self._raised[1].size)
-            for part, error in chunked(work, far, rows, executor):
-                refuse_lost_constants(far[part], error)
+            for part, error in self._errors_of_constants(far, executor):
+                refuse_lost_constants(far[part], error, self._error_at_sites)
+
+    def _errors_of_constants(
+        self, x: np.ndarray, executor: Executor | None
+    ) -> Iterator[tuple[slice, np.ndarray]]:
+        """Parts of the queries (m, d), and the relative errors of constants added to the data."""
+        work = partial(_error_of_increase, self.method, self._prepared, *self._raised)
+        return chunked(work, x, self.method._chunk_rows(self._raised[1].size), executor)
+
+    @cached_property
+    def _error_at_sites(self) -> float:
+        """Largest error of a constant at the sites, zero if only distance can be its cause."""
+        if not self.method._is_lossy:
+            return 0.0
+        parts = self._errors_of_constants(self.method.points, None)
+        return max(float(error.max(initial=0.0)) for _, error in parts)
 
     @cached_property
     def _raised(self) -> tuple[Any, np.ndarray]:
         """Coefficients for the data plus constants (k, v) of their size, and the constants."""
-        columns = self.values.reshape(len(self.values), -1)
+        columns, _ = in_units_of_data(self.values.reshape(len(self.values), -1))
         size = np.abs(columns).max(axis=0)
         constants = CONSTANTS[:, None] * np.where(size > 0, size, 1.0)
         more = columns[:, None] + self.method._data_of_one()[:, None, None] * constants
@@ -232,10 +247,12 @@ class Field:
         return valid.quiet_evaluate(self.method._prepare, flat), constants
 
 
-def _evaluated(
-    rows_of_result: Callable[[np.ndarray, Any], np.ndarray], prepared: Any, x: np.ndarray
+def evaluated(
+    rows_of_result: Callable[[Any, Any], np.ndarray], prepared: Any, units: np.ndarray, x: Any
 ) -> np.ndarray:
-    return valid.quiet_evaluate(rows_of_result, x, prepared)
+    """Rows of a field at queries, whose coefficients are those of the data in these units."""
+    rows = valid.quiet_evaluate(rows_of_result, x, prepared)
+    return valid.quiet_evaluate(np.multiply, rows, units)
 
 
 def _error_of_increase(

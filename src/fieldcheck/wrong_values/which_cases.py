@@ -97,9 +97,9 @@ def integers(cases: Sequence[Case], wrong: Sequence[Case]) -> str:
     )
     if cut:
         return (
-            "Where an argument is an array of integers, the decimals are lost. They are cut by `//` "
-            "and in arrays of integers: a copy, or what `np.zeros_like` makes. `a.astype(float)` "
-            "and `np.zeros(a.shape)` hold decimals."
+            "Where an argument is an array of integers, the decimals are lost. They are cut by "
+            "`//`, and in arrays of integers: a copy, or what `np.zeros_like` makes. "
+            "`a.astype(float)` and `np.zeros(a.shape)` hold decimals."
         )
     if len(wrong) == 1:
         return ""

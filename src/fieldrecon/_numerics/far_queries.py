@@ -25,6 +25,8 @@ CONSTANTS = np.array([1.0, -0.7, 0.4, -1.3])
 """Constants added to data of size one; two fields may by chance be rounded alike."""
 LOST = 1e-4
 """Relative error beyond which a constant is lost."""
+MULTIPLIED = 100.0
+"""Factor from the error at the sites to that at a query, beyond which distance is the cause."""
 _SAMPLED = 64
 
 
@@ -42,17 +44,35 @@ def are_far(box: tuple[np.ndarray, np.ndarray], x: np.ndarray) -> np.ndarray:
     return np.logical_or.reduce(outside, axis=1)
 
 
-def refuse_lost_constants(x: np.ndarray, error: np.ndarray) -> None:
-    """Refuse queries (m, d) at which constants have errors (m, v) of more than LOST."""
-    worst = np.max(error, axis=1, initial=0.0)
+def refuse_lost_constants(x: np.ndarray, error: np.ndarray, at_sites: float = 0.0) -> None:
+    """Refuse queries (m, d) at which constants have errors (m, v) of more than LOST.
+
+    A field is trusted at no query more than at its sites: if the largest error there is more than
+    LOST, all queries are refused, and rounding at single queries does not decide.
+    """
+    worst = np.maximum(np.max(error, axis=1, initial=0.0), at_sites)
     # values that are not finite are reported elsewhere
     lost = np.flatnonzero((worst > LOST) & np.isfinite(worst))
     if len(lost):
+        where, loss = format_point(x[lost[0]]), worst[lost[0]]
         raise np.linalg.LinAlgError(
-            f"rounding decides the value at ({format_point(x[lost[0]])}): so far from the points "
-            "and their clusters it is multiplied so much that constants have an error of "
-            f"{worst[lost[0]]:.0e}; evaluate nearer to the points, or choose a lower degree"
+            f"rounding decides the value at ({where}): {_cause(loss, at_sites)}"
         )
+
+
+def _cause(loss: float, at_sites: float) -> str:
+    """Why constants have this error at a query, and what to do."""
+    if loss > MULTIPLIED * at_sites:
+        return (
+            "so far from the points and their clusters it is multiplied so much that constants "
+            f"have an error of {loss:.0e}; evaluate nearer to the points, or choose a lower degree"
+        )
+    return (
+        f"constants have an error of {loss:.0e}, and of {at_sites:.0e} at the points; the kernel "
+        "is too flat for points this close and data this rough, or a polynomial of the degree "
+        "nearly vanishes at the points; choose a smaller scale, a rougher kernel, some smoothing "
+        "or a lower degree"
+    )
 
 
 def error_of_increase(value: np.ndarray, more: np.ndarray, constants: np.ndarray) -> np.ndarray:

@@ -55,7 +55,11 @@ class Radial(ABC):
         return math.inf
 
     def __call__(self, r: ArrayLike) -> np.ndarray:
-        """Values phi(r), elementwise."""
+        """Values phi(r), elementwise.
+
+        They are right to rounding from r = 1e-300 to 1e300. Values beyond the range of numbers are
+        infinite, and values below it are zero.
+        """
         return self.of_distance(_as_distances(r))
 
     @abstractmethod

@@ -37,8 +37,12 @@ class thin_plate_spline(Radial):
 
     def of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values s log s."""
-        # a shift by the least positive number makes 0 log 0 the limit 0 without a branch
-        return s * np.log(s + np.finfo(np.float64).tiny)
+        # the least number with all digits makes 0 log 0 the limit 0 without a branch
+        return s * np.log(np.maximum(s, np.finfo(np.float64).tiny))
+
+    def of_distance(self, r: np.ndarray) -> np.ndarray:
+        """Values 2 r^2 log r, with all digits also where r^2 is too small for them."""
+        return 2.0 * r * xlogy(r, r)
 
     def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values 2 (1 + log s)."""

@@ -64,7 +64,8 @@ class inverse_multiquadric(Scaled):
 class matern(OfDistance):
     """Matern kernel 2^(1-nu)/Gamma(nu) z^nu K_nu(z), z = r/scale, positive definite.
 
-    nu = 1/2: exp(-z); 3/2: (1 + z) exp(-z); 5/2: (1 + z + z^2/3) exp(-z).
+    nu = 1/2: exp(-z); 3/2: (1 + z) exp(-z); 5/2: (1 + z + z^2/3) exp(-z). From z = 697 on, where
+    K_nu underflows, the value is zero instead of less than 1e-248.
 
     Parameters
     ----------

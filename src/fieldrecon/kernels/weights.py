@@ -48,9 +48,26 @@ class inverse_square(Radial):
         with np.errstate(divide="ignore", over="ignore"):  # infinite at a site if epsilon is zero
             return 1.0 / (s + self.epsilon * self.epsilon)
 
+    def of_distance(self, r: np.ndarray) -> np.ndarray:
+        """Values 1/(r^2 + epsilon^2), also those below 5e-309, where r^2 overflows."""
+        try:
+            with np.errstate(over="raise"):
+                s = r * r
+        except FloatingPointError:
+            h = np.hypot(r, self.epsilon)
+            with np.errstate(divide="ignore", over="ignore"):
+                return 1.0 / h / h
+        return self.of_squared(s)
+
     def slope_of_squared(self, s: np.ndarray) -> np.ndarray:
         """Values -2/(s + epsilon^2)^2."""
         return -2.0 * self.of_squared(s) ** 2
+
+    def slope_of_distance(self, r: np.ndarray) -> np.ndarray:
+        """Values -2/(r^2 + epsilon^2)^2, zero where r^2 overflows."""
+        with np.errstate(over="ignore"):
+            s = r * r
+        return self.slope_of_squared(s)
 
     def in_units(self, h: float) -> Radial:
         """The same weight, up to the factor h^2, with epsilon / h."""

@@ -14,7 +14,7 @@ from fieldrecon._core.chunks import Progress, chunked, report_all, rows_of, spli
 from fieldrecon._core.duplicates import coincidence_labels
 from fieldrecon._numerics.jets import symmetric
 from fieldrecon._numerics.saddle_point import SaddlePoint
-from fieldrecon.fields import Field
+from fieldrecon.fields import Field, evaluated
 from fieldrecon.kernels.base import Radial
 from fieldrecon.kernels.derivatives import smoothness
 from fieldrecon.methods.functionals import (
@@ -334,7 +334,7 @@ class HermiteField(Field):
         rows = self.method._chunk_rows(int(np.prod(self._shape, dtype=int)))
         for start in range(0, len(asked), rows):
             part = asked[start : start + rows]
-            values = valid.quiet_evaluate(self.method._applied, part, self._prepared)
+            values = evaluated(self.method._applied, self._prepared, self._units, part)
             values = valid.check_finite(values, part.points)
             result[start : start + rows] = values.reshape((len(part), *self._shape))
         self._refuse_lost_constants(asked.points, None)

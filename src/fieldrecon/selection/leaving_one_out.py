@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from fieldrecon._core import validation as valid
 from fieldrecon._core.chunks import Progress
+from fieldrecon._numerics.data_units import in_units_of_data
 from fieldrecon.reconstruction import Reconstruction
 
 
@@ -64,5 +65,6 @@ def leave_one_out(
     if not isinstance(method, Reconstruction):
         raise TypeError(f"method must be a Reconstruction; got {method!r}")
     values = valid.as_values(values, len(method.points))
-    columns = values.reshape(len(values), -1)
-    return method._leave_one_out(columns, progress).reshape(values.shape)
+    columns, units = in_units_of_data(values.reshape(len(values), -1))
+    residuals = method._leave_one_out(columns, progress)
+    return valid.quiet_evaluate(np.multiply, residuals, units).reshape(values.shape)

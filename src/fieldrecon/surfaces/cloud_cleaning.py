@@ -158,12 +158,22 @@ def outliers(p: np.ndarray) -> np.ndarray:
     return reach[:, 2] > _ALONE * np.median(reach[index[:, 1:], -1], axis=1)
 
 
-def noise_of(p: np.ndarray) -> float:
+def noise_without_curvature(p: np.ndarray) -> float:
+    """Noise of points, by Richardson's extrapolation to neighbourhoods without an extent.
+
+    A paraboloid leaves terms of third order. With twice as many neighbours their squares are 8
+    times as large, and those of the noise are the same.
+    """
+    near, wide = noise_of(p), noise_of(p, 2 * _QUADRIC)
+    return float(np.sqrt(max(8 * near**2 - wide**2, 0.0) / 7))
+
+
+def noise_of(p: np.ndarray, neighbors: int = _QUADRIC) -> float:
     """Median of the standard deviations of points from paraboloids fitted to their neighbours.
 
     A paraboloid has six coefficients, so the sum of squared residuals is divided by k - 6.
     """
-    k = min(_QUADRIC, len(p))
+    k = min(neighbors, len(p))
     if k <= 6:
         return 0.0
     sample = np.random.default_rng(0).permutation(len(p))[:_SAMPLE]

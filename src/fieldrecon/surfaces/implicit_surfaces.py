@@ -15,7 +15,11 @@ from fieldrecon.methods.hermite import HermiteRBF
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
 from fieldrecon.methods.rbf import RBF
 from fieldrecon.solids.constructive import Solid
-from fieldrecon.surfaces.cloud_cleaning import CleanedCloud, as_clean_cloud
+from fieldrecon.surfaces.cloud_cleaning import (
+    CleanedCloud,
+    as_clean_cloud,
+    noise_without_curvature,
+)
 from fieldrecon.surfaces.off_surface import classified_points, off_surface_points
 
 _METHODS = ("rbf", "partition", "hermite")
@@ -41,8 +45,8 @@ class ImplicitSurface(Solid):
     left_out : (k,) ndarray of int
         The given points that were not used: duplicates and outliers.
     noise, smoothing : float
-        Estimated distance of the points from the surface, and the length below which waves of the
-        surface were smoothed away; zero for none.
+        Estimated distance of the points from the surface, with the curvature between few points,
+        and the length below which waves of the surface were smoothed away; zero for none.
     field : Field
         F, a field with a gradient.
     warnings : tuple of str
@@ -114,7 +118,8 @@ def implicit_surface(
         Length of the waves of the surface that are halved; shorter waves vanish, and longer ones
         remain. 0 interpolates, as "hermite" always does. By default 10 sqrt(noise spacing) with the
         estimated noise, at most half the width of the cloud (its second largest principal extent),
-        and 0 if the noise is below a fiftieth of the spacing.
+        and 0 if the noise, without the curvature between the points, is below a fiftieth of the
+        spacing.
     progress : callable, optional
         Called as progress(done, total) with numbers of patches.
 
@@ -255,7 +260,12 @@ def _smoothing_of(cloud: CleanedCloud) -> float:
     """Length at which the normals of the smoothed surface have a tenth of a radian of noise."""
     if cloud.noise < _EXACT * cloud.spacing:
         return 0.0
-    return min(10 * float(np.sqrt(cloud.noise * cloud.spacing)), _longest_smoothed(cloud.points))
+    length = 10 * float(np.sqrt(cloud.noise * cloud.spacing))
+    longest = _longest_smoothed(cloud.points)
+    if length >= longest:  # the points are too few to tell noise from curvature
+        return longest
+    exact = noise_without_curvature(cloud.points) < _EXACT * cloud.spacing
+    return 0.0 if exact else length
 
 
 def _longest_smoothed(points: np.ndarray) -> float:

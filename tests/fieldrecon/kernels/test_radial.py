@@ -1,8 +1,10 @@
 """Radial functions: closed forms, slopes, minimal orders, extreme lengths, and mutants."""
 
 import itertools
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
@@ -377,6 +379,44 @@ def test_values_whose_squares_are_out_of_range():
         (matern(0.5, 1.0).slope(1e-200), -1e200),
     ):
         assert_close(value / exact, 1.0, EXACT)
+
+
+EXACT_FORMS: dict[Radial, Callable[[Decimal], Decimal]] = {
+    thin_plate_spline(): lambda r: 2 * r * r * r.ln(),
+    polyharmonic(1): lambda r: -r,
+    polyharmonic(2): lambda r: r * r * r.ln(),
+    polyharmonic(3): lambda r: r**3,
+    polyharmonic(4): lambda r: -(r**4) * r.ln(),
+    polyharmonic(5): lambda r: -(r**5),
+    gaussian(1.0): lambda r: (-r * r).exp(),
+    multiquadric(1.0): lambda r: -(1 + r * r).sqrt(),
+    inverse_multiquadric(1.0): lambda r: 1 / (1 + r * r).sqrt(),
+    matern(0.5, 1.0): lambda r: (-r).exp(),
+    matern(1.5, 1.0): lambda r: (1 + r) * (-r).exp(),
+    inverse_square(0.0): lambda r: 1 / (r * r),
+    inverse_square(1.0): lambda r: 1 / (1 + r * r),
+    inverse_square(2.0**-540): lambda r: 1 / (Decimal(2) ** -1080 + r * r),
+}
+DISTANCES = 10.0 ** np.concatenate([np.arange(-300, 301, 12), np.arange(-164, 165, 1), [-0.3, 1.3]])
+SUBNORMAL = 1e-322
+"""Numbers this small have no digits."""
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("kernel", EXACT_FORMS, ids=repr)
+def test_values_are_right_to_rounding_at_all_distances(kernel):
+    """By the closed forms in 700 digits; values out of range are infinite or zero."""
+    for r in DISTANCES:
+        with localcontext() as context:
+            context.prec = 700
+            exact = EXACT_FORMS[kernel](Decimal(float(r)))
+            in_range = abs(exact) < Decimal("1.797e308")
+        with np.errstate(over="warn" if in_range else "ignore"):
+            value = kernel(r)
+        if in_range:
+            assert abs(value - float(exact)) <= EXACT * abs(float(exact)) + SUBNORMAL, r
+        else:
+            assert value == math.copysign(math.inf, exact), r
 
 
 def test_compact_functions_vanish_at_huge_distances():

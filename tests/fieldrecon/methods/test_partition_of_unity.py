@@ -38,6 +38,7 @@ from fieldrecon.methods.partition_of_unity.batched_systems import (
     solved,
 )
 from fieldrecon.methods.partition_of_unity.method import PartitionOfUnityRBF
+from fieldrecon.methods.partition_of_unity.patch_systems import relative_miss
 from fieldrecon.methods.partition_of_unity.polynomial_rank import (
     orthonormal_basis,
     whole_degrees,
@@ -467,10 +468,13 @@ def test_a_kernel_of_values_too_large_is_refused():
         PartitionOfUnityRBF(X[:200], multiquadric(1e-160)).field(np.ones(200))
 
 
-def test_data_too_large_are_refused():
-    """In words about their size, not about the kernel."""
+def test_coefficients_too_large_are_refused():
+    """In words about their size, not about the kernel; no size of the data alone makes them so."""
+    one, right = np.ones((1, 1, 1)), np.full((1, 1, 1), 1.7e308)
     with pytest.raises(OverflowError, match=r"coefficients of a patch exceed the range.*2e\+308"):
-        PartitionOfUnityRBF(X).field(np.full(len(X), 1.7e308))
+        relative_miss(one, np.full((1, 1, 1), np.inf), right)
+    s = PartitionOfUnityRBF(X).field(np.full(len(X), 1.7e308))
+    assert_close(s(X[:20]) / 1.7e308, np.ones(20), 1e-12)
 
 
 def test_patches_interpolate_if_and_only_if_rounding_lets_them():

@@ -262,6 +262,23 @@ def test_values_beside_a_diagonal_strip_are_refused_where_rounding_decides_them(
         assert_close(increase, np.ones(1), LOST)
 
 
+def test_rough_data_of_a_flat_kernel_are_refused_at_every_query():
+    """Nowhere is a constant more certain than at the sites; distance is named as a cause far away.
+
+    At one site in four rounding is small by chance; alone, they are refused like all together.
+    """
+    rng = np.random.default_rng(1)
+    m = RBF(rng.random((400, 2)), multiquadric(0.25))
+    rough, smooth = m.field(rng.normal(size=400)), m.field(m.points.sum(axis=1))
+    words = "the value at .* and of .* at the points; the kernel is too flat for points this close"
+    for x in (m.points, [0.3, 0.3], *m.points[:100]):
+        with refused(words, np.linalg.LinAlgError):
+            rough(x)
+    with refused("rounding decides the value at .* so far from the points", np.linalg.LinAlgError):
+        rough([[1e9, 2.0]])
+    assert_close(smooth(m.points), m.points.sum(axis=1), 1e-8)
+
+
 def test_weights_are_no_better_than_their_own_rounding():
     """They are lost where they are as large as 1e13, though their sum be one by chance."""
     size = np.array([1.0, 1e10, 1e13])

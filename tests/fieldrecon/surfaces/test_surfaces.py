@@ -25,9 +25,16 @@ from fieldrecon.surfaces.cloud_cleaning import (
     _beside,
     as_clean_cloud,
     noise_of,
+    noise_without_curvature,
     outliers,
 )
-from fieldrecon.surfaces.implicit_surfaces import _box_about, _far_points, implicit_surface
+from fieldrecon.surfaces.implicit_surfaces import (
+    _box_about,
+    _far_points,
+    _smoothing_of,
+    _warnings,
+    implicit_surface,
+)
 from fieldrecon.surfaces.off_surface import classified_points, off_surface_points, spacing_of
 from laws import assert_close
 
@@ -420,6 +427,27 @@ def test_few_exact_points_of_a_sphere_give_the_sphere():
     rough = roughened(*cloud(Ball(1.0), 300), 0.1 * spacing_of(cloud(Ball(1.0), 300)[0]), seed=8)
     body = implicit_surface(rough)
     assert body.smoothing == 10 * np.sqrt(body.noise * body.spacing) > 0.5
+
+
+@pytest.mark.parametrize("axes", [(1, 1, 1), (1, 1, 1.5), (1, 2, 3), (1, 1, 0.3), (1, 0.5, 0.2)])
+def test_curvature_between_exact_points_is_not_reported_as_noise(axes):
+    """Nor smoothed away, unless the points are too few to tell the two apart."""
+    for n in (8, 12, 20, *range(30, 200, 5), 200, 300, 460, 500, 1000):
+        given = as_clean_cloud(spiral(n) * axes, spiral(n) / axes)
+        warnings = _warnings(given, _smoothing_of(given))
+        assert not any("off a smooth surface" in warning for warning in warnings), n
+
+
+def test_noise_is_reported_where_points_suffice_to_tell_it_from_curvature():
+    """Noise of 2 % of the radius; in the estimate the curvature between the points is small."""
+    normals = spiral(500)
+    height = 1 + 0.02 * np.random.default_rng(3).standard_normal((500, 1))
+    for given in (normals, None):
+        warnings = implicit_surface(normals * height, given).warnings
+        assert "The points are about 0.019 off a smooth surface" in warnings[-1]
+    assert noise_without_curvature(normals * height) == pytest.approx(0.02, rel=0.1)
+    assert noise_without_curvature(spiral(50)) == 0.0
+    assert "are about" not in "".join(implicit_surface(spiral(50), spiral(50)).warnings)
 
 
 @pytest.mark.slow
