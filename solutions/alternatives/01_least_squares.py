@@ -128,7 +128,11 @@ def summed_by_a_loop(points, values, coefficients):
 
 
 @answers("01.6")
-def as_a_quadratic_form(points, values, coefficients):
-    r = np.append(coefficients, -1.0)
-    m = np.column_stack([np.ones(len(points)), points, values])
-    return r @ (m.T @ m) @ r / 2
+def point_by_point(points, values, coefficients):
+    psi = 0.0
+    for x, value in zip(points, values, strict=True):
+        fitted = coefficients[0]
+        for slope, coordinate in zip(coefficients[1:], x, strict=True):
+            fitted = fitted + slope * coordinate
+        psi += (value - fitted) ** 2 / 2
+    return psi

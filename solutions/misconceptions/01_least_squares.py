@@ -427,6 +427,14 @@ def of_the_values(points, values, coefficients):
 
 
 @answers("01.6", named=False)
+def multiplied_out(points, values, coefficients):
+    """Almost equal products of large values are subtracted: rounding noise has no fingerprint."""
+    r = np.append(coefficients, -1.0)
+    m = np.column_stack([np.ones(len(points)), points, values])
+    return r @ (m.T @ m) @ r / 2
+
+
+@answers("01.6", named=False)
 def outliers_count_less(points, values, coefficients):
     """Large residuals are not squared, as in robust statistics."""
     e = np.abs(basis(points) @ coefficients - values)

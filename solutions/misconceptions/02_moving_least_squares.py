@@ -448,6 +448,16 @@ def normalized_objective(points, values, x, epsilon, coefficients):
 
 
 @answers("02.5", named=False)
+def multiplied_out(points, values, x, epsilon, coefficients):
+    """Almost equal products of large values are subtracted: rounding noise has no fingerprint."""
+    r = np.append(coefficients, -1.0)
+    m = weight(points, x, epsilon)[:, None] * np.column_stack(
+        [np.ones(len(points)), points, values]
+    )
+    return r @ (m.T @ m) @ r / 2
+
+
+@answers("02.5", named=False)
 def point_itself_left_out(points, values, x, epsilon, coefficients):
     """A point of the data at the evaluation point has the largest weight of all."""
     other = (points != x).any(axis=1)

@@ -23,22 +23,27 @@ def caught_by_few(
 ) -> Iterator[str]:
     """Yield the wrong answers that fewer than two inputs catch, with these inputs."""
     for mistake in mistakes:
-        catching = catching_inputs(tried, mistake.namespace(functions))
+        catching = first_that_catch(tried, mistake.namespace(functions))
         if len(catching) < FEWEST:
             yield f"{mistake.name!r} is caught only by: {', '.join(catching) or 'no input alone'}"
 
 
-def catching_inputs(tried: Sequence[Trial], functions: dict[str, Any]) -> list[str]:
-    """Return the cases for which a wrong answer alone is not right.
+def first_that_catch(tried: Sequence[Trial], functions: dict[str, Any]) -> list[str]:
+    """Return the first two cases, or fewer, for which a wrong answer alone is not right.
 
     The student's own inputs are the public cases with other numbers; both count as one.
     """
     found: dict[str, None] = {}
     for trial in tried:
         limit = TIMEOUT_FACTOR * trial.question.limit
-        for index, outcome in enumerate(perform(functions, trial.calls, limit)):
+        for index, call in enumerate(trial.calls):
+            if call.case in found:
+                continue
+            (outcome,) = perform(functions, (call,), limit)
             if not _right_alone(trial, index, outcome):
-                found[trial.calls[index].case] = None
+                found[call.case] = None
+                if len(found) == FEWEST:
+                    return list(found)
     return list(found)
 
 

@@ -148,8 +148,9 @@ def test_a_slow_earlier_answer_costs_points_once(graded, monkeypatch):
     monkeypatch.setattr(Course, "asked", lambda *_: [*hasty.values()])
     # on a busy machine, too, the answer is slow, and not stopped
     monkeypatch.setattr("fieldgrade.checking.grade_submission.TIMEOUT_FACTOR", 100.0)
-    busy = "    end = time.process_time() + 0.25\n    while time.process_time() < end: pass\n"
-    slow = f"def basis_matrix(points):\n    import time\n{busy}"
+    busy = "    end = time.process_time() + 0.25 * (next(CALLS) % 4 == 0)\n"
+    busy += "    while time.process_time() < end: pass\n"
+    slow = f"import itertools, time\nCALLS = itertools.count()\ndef basis_matrix(points):\n{busy}"
     grades = graded(basis_matrix=f"{slow}    return np.insert(points, 0, 1.0, axis=1)\n")
     assert [grade.verdict.finding for grade in grades.values()] == ["slow", "right"]
 

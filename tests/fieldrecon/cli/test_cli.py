@@ -41,6 +41,12 @@ def survey(tmp_path):
     return path
 
 
+@pytest.fixture
+def no_pictures(monkeypatch):
+    """As without the packages that draw: drawing takes most of the time, and other tests look."""
+    monkeypatch.setattr("fieldrecon.cli.reconstruct.absent", lambda *_: ["matplotlib"])
+
+
 def read_csv(path):
     with path.open(newline="") as file:
         return list(csv.DictReader(file))
@@ -200,6 +206,7 @@ def test_reconstruct_writes_pictures_in_the_given_formats(tmp_path, survey):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_pictures")
 def test_the_grid_is_within_its_error_estimate(tmp_path, survey):
     """At over 90 % of the nodes inside the hull the true error is below the estimated error."""
     assert reconstruct(survey, tmp_path / "grid.npz", "--grid", "30x30") == 0
@@ -230,6 +237,7 @@ def test_several_values_are_given_by_repeating_the_option(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_pictures")
 def test_columns_and_method_can_be_chosen(capsys, tmp_path, survey):
     """--x, --y, --value and --method override the columns and the method found automatically."""
     options = ["--x", "northing", "--y", "easting", "--value", "depth [m]", "--method", "ls2"]
@@ -270,6 +278,7 @@ def test_the_page_is_self_contained(tmp_path, survey):
     table = survey.read_text().replace("depth [m]", "<script>&")
     survey.write_text(table + "1,2,?\n")
     assert reconstruct(survey, tmp_path / "a.csv", "--grid", "13x11", "--method", "pu") == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"survey.csv", "a.csv", "a.html"}
     text = (tmp_path / "a.html").read_text()
     page = Page(text)
     assert (page.open, page.loaded, page.links, page.images) == ([], [], ["a.csv"], 6)
@@ -292,6 +301,7 @@ def test_the_page_is_self_contained(tmp_path, survey):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_pictures")
 def test_the_page_compares_all_methods(tmp_path, survey):
     """Without --method the page lists every method with its meaning or with "not tried"."""
     assert reconstruct(survey, tmp_path / "a.csv", "--grid", "13x11") == 0
@@ -303,6 +313,7 @@ def test_the_page_compares_all_methods(tmp_path, survey):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["csv", "npz", "vtk", "nc"])
+@pytest.mark.usefixtures("no_pictures")
 def test_the_suffix_selects_the_format(tmp_path, survey, suffix):
     """--out with a suffix writes one file in this format and the HTML page beside it."""
     options = ["--grid", "5x4", "--method", "ls1"]
@@ -311,6 +322,7 @@ def test_the_suffix_selects_the_format(tmp_path, survey, suffix):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_pictures")
 def test_format_selects_the_files_in_a_folder(tmp_path, survey):
     """--format vtk,nc writes the grid in these two formats and in no other."""
     options = ["--grid", "5x4", "--method", "ls1", "--format", "vtk, NC"]
@@ -391,6 +403,7 @@ SAVED += [(True, method) for method in ("mls1", "tps")]
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("globe", "method"), SAVED)
+@pytest.mark.usefixtures("no_pictures")
 def test_a_saved_field_gives_the_same_values(tmp_path, survey, method, globe):
     """A field read with --load gives the same table, byte for byte, as the run that saved it."""
     survey.write_text(survey.read_text().replace("easting", "lon").replace("northing", "lat"))
@@ -434,6 +447,7 @@ def test_progress_is_printed_on_a_terminal(tmp_path, survey):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_pictures")
 def test_bad_rows_and_repeated_points_are_reported(tmp_path, capsys, survey):
     """Skipped rows are listed with their line numbers; with --strict the first one is an error."""
     row = survey.read_text().splitlines()[1]
@@ -476,6 +490,7 @@ def test_an_unavailable_error_estimate_is_reported(tmp_path, capsys):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("no_pictures")
 def test_many_samples_are_cross_validated_in_windows(tmp_path, capsys):
     """For 20 001 samples the cross-validation uses those in windows."""
     points = uniform(20_001, 2, seed=0)
