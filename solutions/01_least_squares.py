@@ -191,8 +191,8 @@ print("residual:", three_b @ three_c - three_values)
 # ### 01.2 The coefficients
 #
 # Write a function that returns the coefficients $\mathbf{c}$ of the best fit. For all inputs of the
-# check the solution of (1.4) is unique. The points are near the origin, and may be close together:
-# as close as $10^{-6}$.
+# check the solution of (1.4) is unique. The points are near the origin, not much farther from it
+# than from each other, and may all lie within $10^{-6}$ of it.
 #
 # <details><summary>Hint</summary>
 #

@@ -303,7 +303,8 @@ def four_ranks():
 # For samples with $\operatorname{rank}\mathbf{B}' = 5$ return the coefficients $\mathbf{c}$ of such
 # a flow. Its size and its sign are arbitrary, but it must not be zero. Each entry of
 # $\mathbf{B}'\mathbf{c}$ must be zero up to rounding: at most $10^{-9}$ times the largest
-# coefficient. The points are at most a thousand times as far from the origin as from each other.
+# coefficient. The extent of the points is about one, and they are at most a thousand times as far
+# from the origin.
 #
 # <details><summary>Hint</summary>
 #

@@ -8,6 +8,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.inputs.variants import one_changed
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law_of_each, relative, scale
 
 EPS = float(np.finfo(float).eps)
@@ -444,7 +445,7 @@ QUESTIONS = (
         "01.1",
         "basis_matrix",
         2,
-        matrix_inputs,
+        also_at_zero(matrix_inputs, points=(0,)),
         lambda call: ((call.arguments[0].shape[0], call.arguments[0].shape[1] + 1),),
         (spans_affine_fields,),
         normal_form=in_units_of_the_points,
@@ -453,7 +454,7 @@ QUESTIONS = (
         "01.2",
         "fit",
         3,
-        fit_inputs,
+        also_at_zero(fit_inputs, points=(0,), values=(1,)),
         lambda call: ((call.arguments[0].shape[1] + 1,),),
         (residual_is_orthogonal,),
         fit_tolerance,
@@ -462,7 +463,7 @@ QUESTIONS = (
         "01.3",
         "evaluate",
         1,
-        lambda seed: field_inputs("evaluate", seed),
+        also_at_zero(lambda seed: field_inputs("evaluate", seed), points=(1,), values=(0,)),
         lambda call: ((len(call.arguments[1]),),),
         (moves_by_the_gradient,),
     ),
@@ -470,7 +471,7 @@ QUESTIONS = (
         "01.4",
         "rank",
         2,
-        rank_inputs,
+        also_at_zero(rank_inputs, points=(0,)),
         lambda _: ((),),
         (is_a_possible_rank,),
         may_call=("01.1",),

@@ -8,6 +8,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.inputs.variants import one_changed
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import LEAST_TOLERANCE, Question, law, relative
 from fieldcheck.questions.q01_least_squares import cloud, whole
 
@@ -127,7 +128,7 @@ QUESTIONS = (
         "01.6",
         "objective",
         1,
-        objective_inputs,
+        also_at_zero(objective_inputs, points=(0,), values=(1,)),
         lambda _: ((),),
         (is_a_square,),
         lambda call: rounding_of_residuals(call.arguments[1]),

@@ -9,6 +9,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.inputs.variants import one_changed
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q01_objective import LARGE, rounding_of_residuals
 
@@ -482,7 +483,7 @@ QUESTIONS = (
         "02.1",
         "weights",
         2,
-        weights_inputs,
+        also_at_zero(weights_inputs, points=(0, 1)),
         lambda call: ((len(call.arguments[0]),),),
         (weights_differ_like_squared_distances, unit_of_length, greatest_at_the_point_itself),
     ),
@@ -490,7 +491,7 @@ QUESTIONS = (
         "02.2",
         "weighted_fit",
         3,
-        fit_inputs,
+        also_at_zero(fit_inputs, points=(0,), values=(1,)),
         lambda call: ((call.arguments[0].shape[1] + 1,),),
         (weighted_residual_is_orthogonal,),
         lambda call: rounding(
@@ -501,7 +502,7 @@ QUESTIONS = (
         "02.5",
         "objective",
         2,
-        objective_inputs,
+        also_at_zero(objective_inputs, points=(0, 2), values=(1,)),
         lambda _: ((),),
         (is_quadratic, depends_on_the_residual_only),
         lambda call: rounding_of_residuals(call.arguments[1]),

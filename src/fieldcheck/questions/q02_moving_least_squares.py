@@ -8,6 +8,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.inputs.variants import one_changed
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q02_local_fit import (
     EPS,
@@ -315,7 +316,7 @@ QUESTIONS = (
         "02.4",
         "field",
         3,
-        field_inputs,
+        also_at_zero(field_inputs, points=(0, 2), values=(1,)),
         lambda call: ((len(call.arguments[2]),),),
         (reproduces_affine_fields, only_relative_positions_count),
         lambda call: field_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),
@@ -324,7 +325,7 @@ QUESTIONS = (
         "02.7",
         "gradient",
         4,
-        gradient_inputs,
+        also_at_zero(gradient_inputs, points=(0, 2), values=(1,)),
         lambda call: (call.arguments[2].shape,),
         (has_zero_circulation, adds_the_slope_of_affine_fields, is_per_unit_of_length),
         lambda call: 10 * local_rounding(call.arguments[0], call.arguments[2], call.arguments[3]),

@@ -8,6 +8,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.inputs.variants import one_changed
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q02_local_fit import (
     TINY,
@@ -247,7 +248,7 @@ QUESTIONS = (
         "02.8",
         "errors",
         3,
-        errors_inputs,
+        also_at_zero(errors_inputs, points=(0, 1)),
         lambda _: ((2,),),
         (grows_with_the_field,),
         lambda call: local_rounding(call.arguments[0], call.arguments[1], call.arguments[3]),
@@ -257,7 +258,7 @@ QUESTIONS = (
         "02.9",
         "leave_one_out",
         3,
-        leave_one_out_inputs,
+        also_at_zero(leave_one_out_inputs, points=(0,), values=(1,)),
         lambda call: ((len(call.arguments[0]),),),
         (has_not_seen_the_value, affine_fields_leave_no_error),
         without_the_worst,

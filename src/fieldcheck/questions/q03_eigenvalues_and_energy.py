@@ -8,6 +8,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.inputs.variants import one_changed
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q03_radial_basis_functions import (
     TINY,
@@ -270,7 +271,7 @@ QUESTIONS = (
         "03.7",
         "energy",
         2,
-        energy_inputs,
+        also_at_zero(energy_inputs, points=(0,), values=(1,)),
         lambda _: ((),),
         (has_the_bending_energy,),
         normal_form=nothing_for_rounding,

@@ -9,6 +9,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
 from fieldcheck.inputs.variants import one_changed
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q03_radial_basis_functions import (
     TINY,
@@ -230,7 +231,7 @@ QUESTIONS = (
         "03.4",
         "evaluate",
         2,
-        evaluate_inputs,
+        also_at_zero(evaluate_inputs, points=(0, 3)),
         lambda call: ((len(call.arguments[3]),),),
         (is_a_sum_of_basis_functions,),
     ),
@@ -238,7 +239,7 @@ QUESTIONS = (
         "03.6",
         "gradient",
         3,
-        gradient_inputs,
+        also_at_zero(gradient_inputs, points=(0, 3)),
         lambda call: (call.arguments[3].shape,),
         (agrees_with_central_differences,),
     ),

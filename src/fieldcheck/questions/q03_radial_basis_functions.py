@@ -11,6 +11,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
 from fieldcheck.inputs.variants import one_changed
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law_of_each, relative
 
 STEP = 1e-30
@@ -364,7 +365,7 @@ QUESTIONS = (
         "03.2",
         "system_matrix",
         3,
-        matrix_inputs,
+        also_at_zero(matrix_inputs, points=(0,)),
         matrix_shape,
         (
             law_of_each("The matrix of (3.5) must be its own transpose.")(asymmetry),
@@ -376,7 +377,7 @@ QUESTIONS = (
         "03.3",
         "coefficients",
         3,
-        coefficients_inputs,
+        also_at_zero(coefficients_inputs, points=(0,), values=(1,)),
         coefficients_shapes,
         (has_no_moments, interpolates_the_values),
         normal_form=nothing_for_rounding,

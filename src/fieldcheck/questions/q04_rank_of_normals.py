@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q03_radial_basis_functions import cloud
 
@@ -426,7 +427,12 @@ def loose(_: Call) -> float:
 
 QUESTIONS = (
     Question(
-        "04.1", "velocity_matrix", 2, matrix_inputs, matrix_shape, (gives_the_normal_component,)
+        "04.1",
+        "velocity_matrix",
+        2,
+        also_at_zero(matrix_inputs, points=(0,)),
+        matrix_shape,
+        (gives_the_normal_component,),
     ),
     Question("04.2", "velocity_rank", 3, rank_inputs, number, (has_the_known_rank,)),
     Question(
@@ -444,7 +450,7 @@ QUESTIONS = (
         "04.4",
         "crossing_normals",
         2,
-        normals_inputs,
+        also_at_zero(normals_inputs, points=(0,)),
         lambda call: (call.arguments[0].shape,),
         (are_unit_and_perpendicular,),
         normal_form=with_one_sign,

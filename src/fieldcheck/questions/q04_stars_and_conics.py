@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, integers
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q03_radial_basis_functions import cloud
 from fieldcheck.questions.q04_rank_of_normals import (
@@ -469,7 +470,7 @@ QUESTIONS = (
         "04.6",
         "star_samples",
         2,
-        star_inputs,
+        also_at_zero(star_inputs, points=(0, 1)),
         star_shapes,
         (belong_to_the_edges,),
         normal_form=with_one_sign,

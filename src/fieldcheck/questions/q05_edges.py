@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q04_rank_of_normals import along_axes
 
@@ -347,7 +348,7 @@ QUESTIONS = (
         "05.2",
         "midpoints_and_normals",
         2,
-        normals_inputs,
+        also_at_zero(normals_inputs, points=(0,)),
         lambda call: (call.arguments[1].shape, call.arguments[1].shape),
         (halfway, unit_length, across),
         normal_form=either_side,
@@ -356,7 +357,7 @@ QUESTIONS = (
         "05.3",
         "rotation",
         2,
-        rotation_inputs,
+        also_at_zero(rotation_inputs, points=(0,)),
         lambda call: (call.arguments[0].shape,),
         (stays_rigid, turns_about_the_mean),
     ),
@@ -364,7 +365,7 @@ QUESTIONS = (
         "05.4",
         "normal_velocities",
         2,
-        normal_velocities_inputs,
+        also_at_zero(normal_velocities_inputs, values=(2,)),
         lambda call: ((len(call.arguments[0]),),),
         (ends_are_equal, turns_with_the_normal, wind_along_the_first_axis),
     ),

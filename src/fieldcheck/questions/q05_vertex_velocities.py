@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q04_rank_of_normals import along_axes
 from fieldcheck.questions.q05_edges import directions, mesh, sides
@@ -438,7 +439,7 @@ QUESTIONS = (
         "05.7",
         "system",
         3,
-        system_inputs,
+        also_at_zero(system_inputs, points=(0, 2)),
         lambda call: ((len(call.arguments[0]), 6),),
         (gives_normal_velocities, depends_on_differences_only),
     ),
@@ -446,7 +447,7 @@ QUESTIONS = (
         "05.8",
         "velocity",
         4,
-        velocity_inputs,
+        also_at_zero(velocity_inputs, points=(0, 3), values=(2,)),
         lambda _: ((2,),),
         (reproduces_affine_fields, moves_along, unit_of_length, side_of_the_normal),
         lambda _: FITTED,
@@ -455,7 +456,7 @@ QUESTIONS = (
         "05.9",
         "ranks",
         3,
-        ranks_inputs,
+        also_at_zero(ranks_inputs, points=(0,)),
         lambda call: ((len(call.arguments[0]),),),
         (rank_between, rank_of_the_shape, rank_grows),
     ),

@@ -15,6 +15,7 @@ from fieldcheck.inputs.simplices import (
     relative_to_a_corner,
     tolerance_far_away,
 )
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q05_edges import AWAY, directions
 
@@ -329,7 +330,7 @@ QUESTIONS = (
         "06.1",
         "outward_normals",
         3,
-        normals_inputs,
+        also_at_zero(normals_inputs, points=(0,)),
         lambda _: ((3, 2),),
         (of_unit_length, across_the_sides, leave_the_triangle),
         picture="sides",
@@ -338,7 +339,7 @@ QUESTIONS = (
         "06.2",
         "cell_velocity",
         3,
-        lambda seed: velocity_inputs("cell_velocity", seed),
+        also_at_zero(lambda seed: velocity_inputs("cell_velocity", seed), points=(0,), values=(1,)),
         lambda _: ((2,),),
         (constant_velocity_is_reproduced, is_linear),
     ),
@@ -346,7 +347,7 @@ QUESTIONS = (
         "06.3",
         "defect",
         2,
-        lambda seed: velocity_inputs("defect", seed),
+        also_at_zero(lambda seed: velocity_inputs("defect", seed), points=(0,), values=(1,)),
         lambda _: ((),),
         (constant_velocity_has_no_defect, grows_with_the_data),
         normal_form=zero_without_outflow,
@@ -355,7 +356,7 @@ QUESTIONS = (
         "06.4",
         "circumcenter",
         3,
-        circumcentre_inputs,
+        also_at_zero(circumcentre_inputs, points=(0,)),
         lambda _: ((2,),),
         (is_equally_far, is_equally_far_from_afar, moves_along),
         tolerance_far_away,

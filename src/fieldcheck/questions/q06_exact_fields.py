@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q05_edges import AWAY, mesh
 from fieldcheck.questions.q06_cell_velocities import (
@@ -191,7 +192,7 @@ QUESTIONS = (
         "06.5",
         "truth",
         2,
-        truth_inputs,
+        also_at_zero(truth_inputs, points=(0, 1)),
         lambda call: (call.arguments[0].shape,),
         (turns_rigidly, expands, depends_on_the_distance_from_the_centre_only),
     ),
@@ -199,7 +200,7 @@ QUESTIONS = (
         "06.6",
         "errors",
         3,
-        errors_inputs,
+        also_at_zero(errors_inputs, points=(0,)),
         lambda _: ((3,),),
         (exact_at_the_circumcentre, grows_with_the_mesh),
     ),
@@ -207,7 +208,7 @@ QUESTIONS = (
         "06.8",
         "raviart_thomas",
         3,
-        raviart_thomas_inputs,
+        also_at_zero(raviart_thomas_inputs, points=(0, 2), values=(1,)),
         lambda _: ((2,),),
         (crosses_the_side_as_given,),
     ),

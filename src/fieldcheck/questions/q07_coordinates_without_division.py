@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, in_short_binary_numbers, integers
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q07_triangles import SMALL, beside_the_origin
 from fieldcheck.questions.q07_voronoi_coordinates import (
@@ -190,7 +191,7 @@ QUESTIONS = (
         "07.8",
         "safe_coordinates",
         3,
-        safe_inputs,
+        also_at_zero(safe_inputs, points=(0, 1, 2)),
         lambda call: per_point(call, 2),
         (sum_to_one, is_rotation_invariant, is_linear_on_edges, has_negative_coordinates_outside),
     ),

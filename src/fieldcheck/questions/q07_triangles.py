@@ -14,6 +14,7 @@ from fieldcheck.inputs.simplices import (
     tolerance_far_away,
 )
 from fieldcheck.inputs.variants import one_changed
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Law, Question, law_of_each, relative
 
 # 07.1 The hexagon
@@ -225,7 +226,7 @@ QUESTIONS = (
         "07.2",
         "circumcenter",
         2,
-        circumcenter_inputs,
+        also_at_zero(circumcenter_inputs, points=(0, 1, 2)),
         lambda _: ((2,),),
         (is_equally_far, is_equally_far_from_afar),
         tolerance_far_away,
@@ -235,7 +236,7 @@ QUESTIONS = (
         "07.3",
         "area",
         1,
-        area_inputs,
+        also_at_zero(area_inputs, points=(0, 1, 2)),
         lambda _: ((),),
         (AREA_IS_HALVED,),
     ),

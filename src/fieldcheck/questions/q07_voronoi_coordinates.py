@@ -12,6 +12,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
 from fieldcheck.inputs.variants import one_changed
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 
 Star = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -467,7 +468,7 @@ QUESTIONS = (
         "07.4",
         "weights",
         3,
-        weights_inputs,
+        also_at_zero(weights_inputs, points=(0, 1, 2, 3)),
         lambda call: ((len(call.arguments[1]),),),
         (scales, balances),
     ),
@@ -475,18 +476,23 @@ QUESTIONS = (
         "07.5",
         "coordinates",
         2,
-        coordinates_inputs,
+        also_at_zero(coordinates_inputs, points=(0, 1, 2, 3)),
         lambda call: per_point(call, 3),
         (sum_to_one, reproduces_positions),
     ),
     Question(
-        "07.6", "spiral", 2, spiral_inputs, lambda call: ((call.arguments[2], 2),), (winds_inwards,)
+        "07.6",
+        "spiral",
+        2,
+        also_at_zero(spiral_inputs, points=(0, 1)),
+        lambda call: ((call.arguments[2], 2),),
+        (winds_inwards,),
     ),
     Question(
         "07.7",
         "interpolate",
         1,
-        interpolate_inputs,
+        also_at_zero(interpolate_inputs, points=(0, 1, 2, 4), values=(3,)),
         lambda call: ((len(call.arguments[4]),),),
         (reproduces_constants, reproduces_linear_fields),
     ),

@@ -15,6 +15,7 @@ from fieldcheck.inputs.simplices import (
     relative_to_a_corner,
     tolerance_far_away,
 )
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Law, Question, law, relative
 from fieldcheck.questions.q07_triangles import SMALL, small_simplices
 
@@ -213,7 +214,7 @@ QUESTIONS = (
         "08.1",
         "volume",
         1,
-        volume_inputs,
+        also_at_zero(volume_inputs, points=(0, 1, 2, 3)),
         lambda _: ((),),
         (VOLUME_IS_HALVED,),
         tolerance_of_flatness,
@@ -222,7 +223,7 @@ QUESTIONS = (
         "08.2",
         "circumcenter",
         2,
-        circumcenter_inputs,
+        also_at_zero(circumcenter_inputs, points=(0, 1, 2, 3)),
         lambda _: ((3,),),
         (is_equally_far, is_equally_far_from_afar),
         tolerance_far_away,
@@ -232,7 +233,7 @@ QUESTIONS = (
         "08.4",
         "volume_of_normals",
         2,
-        normals_inputs,
+        also_at_zero(normals_inputs, points=(0, 1)),
         lambda _: ((),),
         (depends_on_directions, is_one_if_perpendicular),
         may_call=("08.1", "08.2"),

@@ -12,6 +12,7 @@ from itertools import product
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q07_coordinates_without_division import (
     has_negative_coordinates_outside,
@@ -416,7 +417,7 @@ QUESTIONS = (
         "08.7",
         "weights",
         3,
-        weights_inputs,
+        also_at_zero(weights_inputs, points=(0, 1, 3, 4)),
         lambda call: ((len(call.arguments[2]),),),
         (scales, balances),
         may_call=("08.2", "08.4"),
@@ -425,7 +426,7 @@ QUESTIONS = (
         "08.8",
         "heights",
         1,
-        heights_inputs,
+        also_at_zero(heights_inputs, points=(0, 1, 2)),
         lambda call: ((len(call.arguments[1]), len(call.arguments[2])),),
         (vanishes_half_way,),
     ),
@@ -433,7 +434,7 @@ QUESTIONS = (
         "08.10",
         "coordinates",
         3,
-        coordinates_inputs,
+        also_at_zero(coordinates_inputs, points=(0, 1, 3)),
         lambda call: ((len(call.arguments[3]), len(call.arguments[2])),),
         (
             sum_to_one,

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q03_radial_basis_functions import asymmetry, cloud, squares
 
@@ -44,7 +45,7 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
     )
     uneven = np.array([1.0, 3e-3, 1.0])
     apart = np.zeros((9, 2))
-    apart[:4, 0], apart[4:, 1] = random.uniform(1, 2, 4), 2.0**-28 * random.uniform(1, 2, 5)
+    apart[:4, 0], apart[4:, 1] = random.uniform(1, 2, 4), 2.0**-32 * random.uniform(1, 2, 5)
     whole, sides = random.integers(-9, 10, (6, 6)), random.integers(1, 10, (6, 2))
     turned = np.linalg.qr(random.normal(size=(7, 7)))[0]
     # its rows have one or two entries, so an elimination has no rounding errors
@@ -66,9 +67,18 @@ def eigenvalue_inputs(seed: int) -> tuple[Call, ...]:
         (cube, 1e-9 * ridges(plane, 1), "the cubes, with linear conditions of the size 10⁻⁹"),
         (root, 1e-12 * ridges(other, 0), "minus the distances, with a constant of the size 10⁻¹²"),
         (cube, 1e-12 * ridges(plane, 1), "the cubes, with linear conditions of the size 10⁻¹²"),
-        (cube, apart, "the cubes, with conditions of the sizes 1 and 4 · 10⁻⁹ on different points"),
+        (
+            cube,
+            apart,
+            "the cubes, with conditions of the sizes 1 and 3 · 10⁻¹⁰ on different points",
+        ),
         (whole + whole.T, sides, "a symmetric matrix and two conditions, in arrays of integers"),
         (form + form.T, alike, "a symmetric matrix, and two of four conditions 10⁻¹¹ apart"),
+        (
+            form + form.T,
+            np.eye(5)[:, :3] * [1, 1, 2.0**-32],
+            "a symmetric matrix, and three conditions, the last of the size 2 · 10⁻¹⁰",
+        ),
         (
             cube,
             ridges(plane, 1) * [0, 1, 1],
@@ -435,7 +445,7 @@ QUESTIONS = (
         "09.4",
         "interpolate",
         4,
-        field_inputs,
+        also_at_zero(field_inputs, points=(0, 4), values=(1,)),
         lambda call: ((len(call.arguments[4]),),),
         (interpolates_the_values, is_kernels_and_a_polynomial),
         tolerance=lambda _: 1e-8,
@@ -452,7 +462,7 @@ QUESTIONS = (
         "09.7",
         "slope_matrix",
         3,
-        slope_inputs,
+        also_at_zero(slope_inputs, numbers=(0,)),
         slope_shape,
         (
             law_of_each("The matrix must be symmetric.")(asymmetry),

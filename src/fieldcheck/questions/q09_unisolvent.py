@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q03_radial_basis_functions import cloud
 from fieldcheck.questions.q09_kernels import ridges
@@ -320,7 +321,7 @@ QUESTIONS = (
         "09.1",
         "monomials",
         2,
-        monomials_inputs,
+        also_at_zero(monomials_inputs, points=(0,)),
         monomials_shape,
         (are_one_at_one, stretch_by_powers),
         normal_form=columns_in_order,
@@ -337,7 +338,7 @@ QUESTIONS = (
         "09.6",
         "exchange_time",
         3,
-        exchange_inputs,
+        also_at_zero(exchange_inputs, points=(0,)),
         lambda _: ((),),
         (makes_a_flat_triangle,),
         tolerance=lambda _: 1e-8,

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 
 
@@ -337,7 +338,7 @@ QUESTIONS = (
         "10.2",
         "radial_spline",
         3,
-        radial_inputs,
+        also_at_zero(radial_inputs, numbers=(0,), values=(1,)),
         coefficients_shape,
         (is_natural_and_interpolates,),
         tolerance=lambda _: 1e-8,
@@ -347,7 +348,7 @@ QUESTIONS = (
         "10.3",
         "moments",
         4,
-        moments_inputs,
+        also_at_zero(moments_inputs, numbers=(0,), values=(1,)),
         lambda call: (call.arguments[0].shape,),
         (has_no_kink,),
     ),
@@ -355,7 +356,7 @@ QUESTIONS = (
         "10.4",
         "piecewise",
         3,
-        pieces_inputs,
+        also_at_zero(pieces_inputs, numbers=(0, 3)),
         lambda call: (call.arguments[3].shape,),
         (is_cubic_inside_and_linear_outside,),
     ),
@@ -363,7 +364,7 @@ QUESTIONS = (
         "10.6",
         "energy",
         2,
-        energy_inputs,
+        also_at_zero(energy_inputs, numbers=(0,), values=(1,)),
         lambda _: ((),),
         (
             is_four_times_the_length,

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q10_natural_splines import (
     coefficients_shape,
@@ -243,14 +244,19 @@ def satisfies_marsdens_identity(calls: Sequence[Call], values: Sequence[Values])
 
 QUESTIONS = (
     Question(
-        "10.1", "from_truncated", 3, conversion_inputs, coefficients_shape, (is_the_same_curve,)
+        "10.1",
+        "from_truncated",
+        3,
+        also_at_zero(conversion_inputs, numbers=(0,)),
+        coefficients_shape,
+        (is_the_same_curve,),
     ),
     Question("10.5", "truncated", 3, back_inputs, coefficients_shape, (is_made_of_half_cubes,)),
     Question(
         "10.7",
         "b_splines",
         4,
-        b_spline_inputs,
+        also_at_zero(b_spline_inputs, numbers=(0, 2)),
         b_spline_shape,
         (has_its_support_and_sign, satisfies_marsdens_identity),
     ),

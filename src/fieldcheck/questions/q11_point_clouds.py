@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, relative
 
 THICK = 0.4
@@ -355,7 +356,7 @@ QUESTIONS = (
         "11.1",
         "normals",
         3,
-        normals_inputs,
+        also_at_zero(normals_inputs, points=(0,)),
         normals_shapes,
         (have_the_least_variance,),
         coordinate_tolerance,
@@ -366,7 +367,7 @@ QUESTIONS = (
         "11.2",
         "linked",
         2,
-        graph_inputs,
+        also_at_zero(graph_inputs, points=(0,)),
         lambda call: (2 * (len(call.arguments[0]),),),
         (links_both_ways,),
         coordinate_tolerance,
@@ -375,7 +376,7 @@ QUESTIONS = (
         "11.4",
         "off_surface",
         3,
-        beside_inputs,
+        also_at_zero(beside_inputs, points=(0,)),
         lambda call: ((len(call.arguments[0]), 2),),
         (belong_to_their_sites,),
         coordinate_tolerance,

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 from fieldcheck.questions.q11_point_clouds import horseshoe, moved_far, outward, oval, torus
 
@@ -370,13 +371,20 @@ QUESTIONS = (
         "11.5",
         "implicit",
         3,
-        fit_inputs,
+        also_at_zero(fit_inputs, points=(0,), values=(1,)),
         fit_shapes,
         (meets_values_and_side_conditions,),
         lambda _: 1e-7,
         nothing_for_rounding,
     ),
-    Question("11.6", "field", 3, field_inputs, field_shapes, (gradient_is_that_of_the_values,)),
+    Question(
+        "11.6",
+        "field",
+        3,
+        also_at_zero(field_inputs, points=(0, 1)),
+        field_shapes,
+        (gradient_is_that_of_the_values,),
+    ),
     Question(
         "11.7",
         "to_surface",

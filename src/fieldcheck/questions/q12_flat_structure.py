@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, relative
 from fieldcheck.questions.q12_weights_and_slopes import grid
 
@@ -104,7 +105,7 @@ QUESTIONS = (
         "12.8",
         "flat_loads",
         3,
-        flat_inputs,
+        also_at_zero(flat_inputs, values=(2,)),
         lambda call: ((len(call.arguments[0]), 3),),
         (does_the_work_of_rigid_motions,),
         may_call=("12.2",),

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative
 
 
@@ -292,7 +293,7 @@ QUESTIONS = (
         "12.2",
         "loads",
         1,
-        loads_inputs,
+        also_at_zero(loads_inputs, values=(1,)),
         lambda call: ((call.arguments[0].shape[1], call.arguments[1].shape[1]),),
         (does_the_same_work,),
     ),
@@ -300,7 +301,7 @@ QUESTIONS = (
         "12.4",
         "resultants",
         2,
-        resultants_inputs,
+        also_at_zero(resultants_inputs, points=(0, 2), values=(1,)),
         lambda _: ((6,),),
         (
             sums_the_forces,
@@ -313,7 +314,7 @@ QUESTIONS = (
         "12.6",
         "densities",
         2,
-        densities_inputs,
+        also_at_zero(densities_inputs, values=(1,)),
         lambda call: ((call.arguments[0].shape[1],),),
         (reproduces_constants, conserves_the_total_force),
     ),

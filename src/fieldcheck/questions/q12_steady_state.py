@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law_of_each, relative
 from fieldcheck.questions.q12_load_transfer import alternating, transfer
 
@@ -47,6 +48,7 @@ def iterates_inputs(seed: int) -> tuple[Call, ...]:
     one, behind, chain = section(random, 0.25), section(random, 0.9), wing(random, 3, 5)
     k, h, rest, slope = chain
     whole = np.array([[random.integers(6, 10)]]), np.array([[1], [-2]])
+    units = np.array([2.0**-20, 1, 1])
     name = "iterates"
     return calls_of(
         name,
@@ -59,6 +61,10 @@ def iterates_inputs(seed: int) -> tuple[Call, ...]:
         *(
             ((unit * k, h, unit * rest, unit * slope, 0.8, 4), f"all forces times {words}")
             for unit, words in ((2.0**-40, "10⁻¹²"), (2.0**40, "10¹²"))
+        ),
+        *(
+            ((k * np.outer(u, u), h * u, rest, slope, 0.8, 4), f"the {which} node in another unit")
+            for u, which in ((units, "first"), (units[::-1], "last"))
         ),
         ((*one, 0.15, 240), "a section with 240 small steps"),
         ((k, h, integers(rest), slope, 0.8, 4), "a chain of three nodes, its loads integers"),
@@ -133,6 +139,7 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
     faster[1:3, 1:3] = [[0.9, 2.5], [-2.5, 0.9]]
     spinning = np.diag(random.uniform(2, 3, 4)), other_frame, other_frame @ faster @ other_frame.T
     coupling = random.uniform(1, 2) * np.array([[1, -1], [-1, 1]])
+    units = np.array([2.0**-20, 1, 1, 1])
     return calls_of(
         "divergence",
         ((k, h, slope), "a section on one spring"),
@@ -144,6 +151,10 @@ def divergence_inputs(seed: int) -> tuple[Call, ...]:
         (
             spinning,
             "four nodes with complex eigenvalues of large real part",
+        ),
+        *(
+            ((spinning[0] * np.outer(u, u), spinning[1] * u, spinning[2]), f"{case} in other units")
+            for u, case in ((units, "the first node"), (units[::-1], "the last node"))
         ),
         (
             (2.0**40 * spinning[0], *spinning[1:]),
@@ -241,7 +252,7 @@ QUESTIONS = (
         "12.10",
         "iterates",
         3,
-        iterates_inputs,
+        also_at_zero(iterates_inputs, values=(2,)),
         lambda call: ((call.arguments[5] + 1, len(call.arguments[0])),),
         (follows_from_the_row_before,),
         may_call=("12.2",),

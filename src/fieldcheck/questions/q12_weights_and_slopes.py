@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative, scale
 
 
@@ -185,7 +186,7 @@ QUESTIONS = (
         "12.1",
         "weights",
         3,
-        weights_inputs,
+        also_at_zero(weights_inputs, points=(0, 1)),
         weights_shape,
         (rows_sum_to_one, reproduces_positions, is_one_at_its_node, is_rotation_invariant),
     ),

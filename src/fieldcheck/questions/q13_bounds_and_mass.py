@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, integers
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law, law_of_each, relative, scale
 from fieldcheck.questions.q13_semi_lagrangian_advection import CORNERS, FAR, in_disc, in_square
 
@@ -257,7 +258,7 @@ QUESTIONS = (
         "13.8",
         "bounds",
         2,
-        bounds_inputs,
+        also_at_zero(bounds_inputs, points=(0, 2), values=(1,)),
         lambda call: ((len(call.arguments[2]),),) * 2,
         (
             are_values,

@@ -8,6 +8,7 @@ import numpy as np
 
 from fieldcheck.calls import Call, Values, calls_of, in_short_binary_numbers, integers
 from fieldcheck.inputs.variants import one_changed
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Law, Question, law, relative
 
 Deviation = Callable[[Sequence[Call], Sequence[Values]], float]
@@ -450,7 +451,7 @@ QUESTIONS = (
         "13.5",
         "step_matrix",
         3,
-        matrix_inputs,
+        also_at_zero(matrix_inputs, points=(0, 1)),
         lambda call: ((len(call.arguments[1]), len(call.arguments[0])),),
         (reproduces_linear_fields, uses_the_nearest_sites_only, is_one_at_its_site),
     ),
@@ -458,7 +459,7 @@ QUESTIONS = (
         "13.6",
         "advect",
         3,
-        advect_inputs,
+        also_at_zero(advect_inputs, values=(1,)),
         lambda call: ((call.arguments[3] + 1, len(call.arguments[0])),),
         (constants_stay, affine_fields_rotate),
     ),

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldcheck.calls import Call, Values
+from fieldcheck.inputs.zeros import also_at_zero
 from fieldcheck.question import Question, law
 
 # 14.1 Coincident vertices
@@ -434,7 +435,7 @@ QUESTIONS = (
         "14.1",
         "weld",
         2,
-        weld_inputs,
+        also_at_zero(weld_inputs, points=(0,)),
         lambda call: ((len(call.arguments[0]),),),
         (is_the_first_coincident_vertex,),
     ),
