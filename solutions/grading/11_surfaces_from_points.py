@@ -95,9 +95,8 @@ def nearly_perpendicular(seed):
     random = np.random.default_rng(seed + 10)
     calls = []
     for n, case in ((20, "a chain of twenty points"), (40, "a chain of forty points")):
-        turn = np.cumsum(
-            np.pi / 2 + random.choice([-1, 1], n) * 10.0 ** random.uniform(-7, -1.5, n)
-        )
+        tilts = random.choice([-1, 1], n) * 10.0 ** random.uniform(-7, -1.5, n)
+        turn = random.uniform(0.3, 1.2) + np.cumsum(np.pi / 2 + tilts)
         points = np.column_stack([random.uniform(-1, 1, n), -np.arange(n)])
         chain = np.eye(n, k=1, dtype=int) + np.eye(n, k=-1, dtype=int)
         signs = random.choice([-1.0, 1.0], (n, 1))
