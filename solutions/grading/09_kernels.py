@@ -22,7 +22,10 @@ def other_degrees(seed):
     )
 
 
-@hidden("09.2", "The matrix need not come from a kernel, and may have any size.")
+@hidden(
+    "09.2",
+    "A may be any symmetric matrix, and the columns of P of any sizes, also nearly equal ones.",
+)
 def any_matrix(seed):
     random = np.random.default_rng(seed + 2)
     a, p = random.normal(size=(12, 12)), random.normal(size=(12, 3))

@@ -149,7 +149,9 @@ def far_away(seed):
     )
 
 
-@hidden("11.5", "Sites may be few or many, in any dimension, and in whole numbers.")
+@hidden(
+    "11.5", "Sites may be few or many, in any dimension, in whole numbers, and only 0.01 apart."
+)
 def other_dimensions(seed):
     random = np.random.default_rng(seed + 5)
     return (

@@ -172,8 +172,8 @@ def weights_only_on_the_left(points, values, w):
 
 @answers("02.2")
 def right_side_weighted_once(points, values, w):
-    """The right-hand side lacks one factor w: in (2.5) both sides have w². If you multiply the rows
-    of B by w, multiply the values by w, too. Otherwise affine fields are not reproduced.
+    """The right-hand side lacks one factor w: in (2.5) both sides have w². There both the rows of
+    B and the values are multiplied by w. Otherwise affine fields are not reproduced.
     """
     b = basis(points)
     return np.linalg.solve((b.T * w**2) @ b, (b.T * w) @ values)

@@ -438,7 +438,7 @@ def mean_squares(points, triangles, s):
 
 @answers("06.6")
 def largest_errors(points, triangles, s):
-    """These are the largest errors. One flat triangle on the boundary decides about them. (6.7)
+    """These are the largest errors. One triangle, often a flat one, decides about each. (6.7)
     has a mean over all cells.
     """
     return three(compared(points, triangles, s), lambda x: np.sqrt(np.max(x)))

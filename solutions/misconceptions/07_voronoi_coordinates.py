@@ -193,8 +193,8 @@ def incenter(a, b, c):
 
 @answers("07.2")
 def orthocenter(a, b, c):
-    """This is where the altitudes meet. The perpendiculars were raised through the corners; those
-    of the circumcentre go through the middles of the edges.
+    """This is where the altitudes meet, which go through the corners. The lines that meet in the
+    circumcentre go through the middles of the edges.
     """
     edges = np.array([c - b, c - a])
     return np.linalg.solve(edges, [(c - b) @ a, (c - a) @ b])

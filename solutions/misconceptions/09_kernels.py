@@ -302,7 +302,7 @@ def small_absolute_tolerance(a, p):
 
 @answers("09.2")
 def by_eigenvectors_of_the_square(a, p):
-    """A condition whose singular value is 4·10⁻⁹ of the largest one was ignored, but only those
+    """A condition whose singular value is 3·10⁻¹⁰ of the largest one was ignored, but only those
     below 10⁻¹⁰ count as zero. Either the tolerance is too large, or it applies to eigenvalues of
     P Pᵀ: these are the squares of the singular values, and become rounding errors much earlier.
     """

@@ -708,7 +708,7 @@ def root_taken(sites, M):
 @answers("10.6")
 def half_of_the_energy(sites, M):
     """This is half of the energy. Mechanics has a factor ½ in front of the integral; (10.9) has
-    none. And the integral of the square of a linear function is a third, not a sixth.
+    none. Or was a sixth taken for the integral of the square of u from 0 to 1, a third?
     """
     p, q = M[:-1], M[1:]
     return np.diff(sites) @ (p * p + p * q + q * q) / 6

@@ -395,7 +395,7 @@ def _off(deviation: float, tolerance: float) -> str:
     """Return the size of the violation of a law, if it is not an integer or infinite."""
     if not np.isfinite(deviation) or deviation == round(deviation):
         return ""
-    return f"This is off by {deviation:.2g}; rounding explains {tolerance:.0e}."
+    return f"This is off by {deviation:.2g}; {tolerance:.0e} is allowed for rounding."
 
 
 def _slow(question: Question, call: Call, outcome: Outcome) -> str:

@@ -716,7 +716,7 @@ def test_an_unknown_question_is_refused_with_those_of_its_notebook(name):
 
 
 def test_whole_numbers_are_compared_without_rounding():
-    """A wrong rank is not reported as "off by 1; rounding explains 1e-09"."""
+    """A wrong rank is not reported as "off by 1; 1e-09 is allowed for rounding"."""
     question = questions()["01.4"]
     calls = question.inputs(seed("", "01.4"))
     right = answers.public_answers("01")["01.4"].right
@@ -751,7 +751,11 @@ def first_positive(_, values):
     ("form", "amount", "words"),
     [
         (unchanged, 0.3, "a mesh, entry [2, 1] is off by 0.3."),
-        (not_to_be_compared, 0.3, "a mesh, the entries are not the right ones in any order."),
+        (
+            not_to_be_compared,
+            0.3,
+            "a mesh, the entries are not the right ones in any order that the question allows.",
+        ),
         (not_to_be_compared, 0.001, "a mesh, an entry is off by 0.001."),
         (first_positive, 0.3, "a mesh, the entries are not the right ones with either sign."),
         (first_positive, 0.001, "a mesh, entry [2, 1] is off by 0.001."),

@@ -43,9 +43,9 @@ def also_at_zero(
     >>> for call in also_at_zero(inputs, values=(0,))(0):
     ...     print(call.case, *call.arguments)
     three values [3. 1. 7.]
-    three values, the largest zero [-4. -6.  0.]
-    three values, some of them zero [0. 1. 0.]
-    three values, whose sum is zero [-4.  0.  4.]
+    three values, the largest number zero [-4. -6.  0.]
+    three values, some numbers zero [0. 1. 0.]
+    three values, numbers whose sum is zero [-4.  0.  4.]
     """
 
     def more(seed: int) -> tuple[Call, ...]:
@@ -90,6 +90,6 @@ def _changed(call: Call, positions: Sequence[int]) -> Iterator[Changed]:
     for k in positions:
         v = call.arguments[k]
         odd = np.arange(len(v)) % 2 == 1
-        yield {k: v - v.max(axis=0)}, "the largest zero"
-        yield {k: np.where(odd.reshape(-1, *(1 for _ in v.shape[1:])), v, 0)}, "some of them zero"
-        yield {k: v - v[::-1]}, "whose sum is zero"
+        yield {k: v - v.max(axis=0)}, "the largest number zero"
+        yield {k: np.where(odd.reshape(-1, *(1 for _ in v.shape[1:])), v, 0)}, "some numbers zero"
+        yield {k: v - v[::-1]}, "numbers whose sum is zero"

@@ -53,7 +53,7 @@ def iterates_inputs(seed: int) -> tuple[Call, ...]:
     return calls_of(
         name,
         ((*one, 1.0, 6), "a section on one spring"),
-        ((*one, 0.5, 6), "the same section with relaxation"),
+        ((*one, 0.5, 6), "a section with relaxation"),
         ((*behind, 0.7, 5), "a section with the centre of pressure behind the elastic axis"),
         ((*chain, 0.8, 4), "a chain of three nodes"),
         ((*wing(random, 4, 6), 1.1, 3), "a chain of four nodes"),

@@ -170,9 +170,10 @@ def slope_of_linear_fields(calls: Sequence[Call], values: Sequence[Values]) -> f
     """Return the deviation of slopes from zero for constants, from unit vectors for coordinates."""
     worst = 0.0
     for call, (g,) in zip(calls, values, strict=True):
-        of_coordinates = np.einsum("kij,jl->ikl", g, call.arguments[0])
-        size = max(1.0, scale(g))
-        worst = max(worst, float(np.abs(g.sum(axis=2)).max()) / size)
+        nodes = call.arguments[0]
+        of_coordinates = np.einsum("kij,jl->ikl", g, nodes)
+        size = max(1.0, scale(g) * scale(nodes))  # rounding errors are relative to these products
+        worst = max(worst, float(np.abs(g.sum(axis=2)).max()) * scale(nodes) / size)
         worst = max(worst, float(np.abs(of_coordinates - np.eye(len(g))).max()) / size)
     return worst
 

@@ -38,7 +38,7 @@ def difference(
     is_open = open_order or _sign_is_open(question, call, right, part)
     if is_open and off > MATCHED * scale(compared) and not are_truth_values(answers):
         which = f"the entries of the {ORDINALS[part]} array" if len(units) > 1 else "the entries"
-        freedom = "in any order" if open_order else "with either sign"
+        freedom = "in any order that the question allows" if open_order else "with either sign"
         return f"For {call.case}, {which} are not the right ones {freedom}."
     entry = _entry(units[part], part, len(units), open_order)
     if np.isclose(off, 1) and are_truth_values(answers):
@@ -52,7 +52,7 @@ def difference(
         value = f"The right value is {'−' * (wanted.item() < 0)}{abs(wanted.item()):.2g}"
     else:
         value = f"The largest right value is {scale(wanted):.2g}"
-    return f"{text} {value}; rounding explains {tolerance:.0e}."
+    return f"{text} {value}; {tolerance:.0e} is allowed for rounding."
 
 
 def _magnification(
