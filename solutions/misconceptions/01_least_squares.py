@@ -396,8 +396,8 @@ def without_the_half(points, values, coefficients):
 
 @answers("01.6")
 def mean_instead_of_sum(points, values, coefficients):
-    """This is a mean of squares: the sum was divided by the number of points. ψ of (1.3) is half of
-    the sum.
+    """The sum was divided by the number of points: this is half of the mean of the squares. ψ of
+    (1.3) is half of their sum.
     """
     return 0.5 * np.mean((basis(points) @ coefficients - values) ** 2)
 

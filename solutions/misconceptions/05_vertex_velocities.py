@@ -374,8 +374,8 @@ def always_one_ring(triangles, edges, vertex, rings):
 
 @answers("05.6")
 def one_ring_too_many(triangles, edges, vertex, rings):
-    """This is one ring more than requested. How often does your loop look for triangles? For one
-    ring it must happen once.
+    """This is one ring more than requested. How often does your code look for triangles, also
+    before a loop? For one ring it must happen once.
     """
     return edges_in_ring(triangles, edges, vertex, rings + 1)
 

@@ -540,8 +540,8 @@ def circumcentre_and_centroid_exchanged(points, triangles, s):
 
 @answers("06.8")
 def towards_the_corner(q, v, x):
-    """The result has the wrong sign, as if the vectors pointed from x to the corners. In (6.8) they
-    point from the corners to x.
+    """The result has the wrong sign. In (6.8) the vectors point from the corners to x, the normals
+    point outward, and the heights are positive.
     """
     return -raviart(q, v, x)
 

@@ -49,7 +49,6 @@ def map_axes(axes: Axes, title: str = "") -> None:
     axes.set_aspect("equal")
     axes.set_xticks([])
     axes.set_yticks([])
-    axes.grid(visible=False)
     axes.spines[:].set_visible(True)
     if title:
         axes.set_title(title)

@@ -148,6 +148,15 @@ def test_rows_that_are_not_samples_are_left_out_and_reported():
         plane(table, strict=True)
 
 
+def test_masked_points_are_left_out_and_reported():
+    """An array of points keeps its mask: of one coordinate, or of both."""
+    mask = np.zeros(POINTS.shape, dtype=bool)
+    mask[3], mask[7, 1] = True, True
+    survey = plane(np.ma.array(POINTS, mask=mask), value=PLANE)
+    assert [row.line for row in survey.samples.bad] == [3, 7]
+    assert len(survey.samples.points) == len(POINTS) - 2
+
+
 def test_degrees_are_known_by_their_units():
     """Samples with CF units of degrees are on the globe; the option decides otherwise."""
     degrees = SET.assign_coords(
