@@ -534,8 +534,9 @@ def loops_and_fans():
 # Return $+1$ for each triangle that stays and $-1$ for each triangle that must be inverted, so that
 # all neighbours agree. A *part* is a maximal set of triangles connected across edges, possibly a
 # single one. The triangle of each part that is first in the list stays. If a part is not
-# orientable, return 0 for all its triangles. No edge has more than two triangles, and a part may
-# have thousands of triangles. The points are an argument too: are they needed?
+# orientable, return 0 for all its triangles. No edge has more than two triangles, a triangle may be
+# listed twice, and a part may have thousands of triangles. The points are an argument too: are they
+# needed?
 #
 # <details><summary>Hint 1</summary>
 #

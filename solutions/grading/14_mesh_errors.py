@@ -171,7 +171,7 @@ def open_and_closed(seed):
 
 @hidden(
     "14.6",
-    "There may be several parts, orientable and not, and parts may share a vertex.",
+    "There may be several parts, orientable and not, and triangles may be listed twice.",
 )
 def bands(seed):
     random = np.random.default_rng(seed + 6)

@@ -143,7 +143,7 @@ def each_alone_by_distance(nodes, points):
 @answers("12.2")
 def not_transposed(H, f):
     """H itself was multiplied by the forces. H maps values at nodes to values at points, but forces
-    go the other way. Over which index of H does (12.3) sum?
+    go the other way. In (12.3) the force on a node is a sum over the points, with a column of H.
     """
     return H @ f
 

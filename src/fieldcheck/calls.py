@@ -212,7 +212,7 @@ def _as_array(part: object) -> np.ndarray | None:
 def _kind(result: object, values: Values | None) -> str:
     """Describe a result that is not numeric, or that is packed in an unusual way."""
     if result is None:
-        return "nothing (None), as a function without `return` does"
+        return "nothing (None), as where no `return` is reached"
     if values is None and isinstance(result, list):
         return "a list that is not a rectangular array of numbers"
     if values is None:

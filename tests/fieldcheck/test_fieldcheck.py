@@ -106,7 +106,7 @@ def wrong_then_lost(x):
             "exception",
             r"The array on the left holds integers, and takes no decimals, not even by `\+=` or",
         ),
-        (lambda _: None, "type", "nothing \\(None\\), as a function without `return` does"),
+        (lambda _: None, "type", "nothing \\(None\\), as where no `return` is reached"),
         (lambda _: "two", "type", "an object of type str"),
         (lambda _: [[1], [[1], 2]], "type", "not a rectangular array"),
         (lambda _: [[1], [1, 2]], "shape", r"shape \(1,\) and an array of shape \(2,\)"),

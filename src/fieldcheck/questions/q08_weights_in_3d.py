@@ -255,7 +255,10 @@ def more_heights(
             2 * k * random.integers(1, 9, (3, 3)) + np.eye(3, dtype=int),
         )
         points = vertex + random.integers(-9, 10, (4, 3))
-        yield (vertex, vertex + odd, points), f"integers, with squared lengths that are odd, from {4 * k}"
+        yield (
+            (vertex, vertex + odd, points),
+            f"integers, with squared lengths that are odd, from {4 * k}",
+        )
     many = center + random.normal(size=(43, 3))
     yield (center, many, inside[:2]), "43 neighbours"
 

@@ -293,7 +293,10 @@ def beside_inputs(seed: int) -> tuple[Call, ...]:
         name,
         ((2.0**-34 * bent, outward(bent), 2.0**-34 * 1.7), "a horseshoe of the size 10⁻¹⁰"),
         ((2.0**-40 * ring, outward(ring), 2.0**-40 * 1.1), "a torus of the size 10⁻¹²"),
-        ((2.0**-36 * thin, thin_normals, 2.0**-30), "a flat oval of the size 10⁻¹¹, and Δ = 10⁻⁹"),
+        (
+            (2.0**-36 * thin, thin_normals, 2.0**-30),
+            "a flat oval of the size 10⁻¹¹, and Δ of about 10⁻⁹",
+        ),
         ((2.0**30 * bent, outward(bent), 2.0**30 * 0.9), "a horseshoe of the size 10⁹"),
         ((bent, -outward(bent), 1.7), "the same horseshoe, normals that point inward"),
         ((axes * random.permutation([[2], [3], [4], [5]]), axes, 3.3), "four points, integers"),

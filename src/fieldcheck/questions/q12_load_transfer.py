@@ -305,9 +305,9 @@ QUESTIONS = (
         lambda _: ((6,),),
         (
             sums_the_forces,
-            changes_by_the_moment_of_the_total_force,
-            a_couple_has_its_arm,
             an_upward_force_on_an_arm,
+            a_couple_has_its_arm,
+            changes_by_the_moment_of_the_total_force,
         ),
     ),
     Question(

@@ -78,6 +78,9 @@ def turn_inputs(seed: int) -> tuple[Call, ...]:
     }
     made = larger_numbers(random) | few(random) | seams | long_ones(random)
     made |= tails(random) | numbers_on_both_sides(random)
+    alone = np.eye(3), np.array([[0, 1, 2], [1, 2, 0]])
+    for case, other in (("a sphere", ball(2, 4)), ("a strip", sheet(1, 4))):
+        made[f"a triangle listed twice, and {case}"] = shuffled(random, joined(alone, other))
     return (*calls, *(Call("turns", surface, case, exact=(0,)) for case, surface in made.items()))
 
 
