@@ -116,7 +116,7 @@ def tails(random: np.random.Generator) -> dict[str, Surface]:
 
 ONE_SIDED = (
     *(0, 0, 0, 0, 24, 0, 24, 0, 0, 0, 0, 0, 67, 0, 0, 0, 0, 0, 0, 0),
-    *(144, 174, 0, 0),
+    *(144, 174, 0, 0, 0, 0),
 )
 """The number of triangles of these surfaces that belong to a one-sided part."""
 
