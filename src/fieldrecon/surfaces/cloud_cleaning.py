@@ -183,7 +183,7 @@ def noise_of(p: np.ndarray, neighbors: int = _QUADRIC) -> float:
     axes = np.linalg.eigh(y.mT @ y)[1]
     y = y @ axes
     size = np.abs(y).max(axis=(1, 2), keepdims=True)
-    y = y / np.where(size > 0, size, 1.0)
+    y = y / size  # the points of a clean cloud are different
     basis = np.linalg.qr(monomials(y[..., 1:], 2))[0]
     heights = y[..., :1]
     residuals = heights - basis @ (basis.mT @ heights)
