@@ -69,7 +69,7 @@ def by_products_of_factors(points, degree):
 def by_pivoted_elimination(a, p):
     from scipy.linalg import null_space
 
-    z = null_space(p.T, rcond=1e-9) if p.shape[1] else np.eye(len(a))
+    z = null_space(p.T, rcond=1e-10) if p.shape[1] else np.eye(len(a))
     return min(np.linalg.eigvalsh(z.T @ a @ z))
 
 
@@ -77,7 +77,7 @@ def by_pivoted_elimination(a, p):
 def by_an_obstacle(a, p):
     """The form is made large where the conditions do not hold."""
     u, s, _ = np.linalg.svd(p, full_matrices=False)
-    u = u[:, s > 1e-9 * max(s, default=1)]
+    u = u[:, s > 1e-10 * max(s, default=1)]
     k = np.eye(len(a)) - u @ u.T
     large = 2 * np.linalg.norm(a)
     return np.linalg.eigvalsh(k @ a @ k + large * u @ u.T).min()
@@ -88,7 +88,7 @@ def by_a_general_problem(a, p):
     """A basis that is not orthonormal, and its Gram matrix on the other side."""
     from scipy.linalg import eigh, null_space
 
-    z = null_space(p.T, rcond=1e-9) if p.shape[1] else np.eye(len(a))
+    z = null_space(p.T, rcond=1e-10) if p.shape[1] else np.eye(len(a))
     z = z @ np.triu(np.ones((z.shape[1], z.shape[1])))
     return eigh(z.T @ a @ z, z.T @ z, eigvals_only=True)[0]
 
