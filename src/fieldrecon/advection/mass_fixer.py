@@ -24,7 +24,7 @@ def project_to_bounds_and_mass(
 def _project_column(
     u: np.ndarray, low: np.ndarray, high: np.ndarray, masses: np.ndarray, total: float
 ) -> np.ndarray:
-    if not np.isfinite(low).any() and not np.isfinite(high).any():
+    if not np.isfinite(low).any():  # no bounds
         return u + (total - masses @ u) / masses.sum()
 
     def excess(shift: float) -> float:

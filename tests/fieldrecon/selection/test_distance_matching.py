@@ -321,3 +321,12 @@ def test_samples_far_from_the_others_are_given_the_larger_distances_with_their_g
     distance, widths = nearest_neighbor_distances(points, x), gap_widths(points, x)
     assert sorted(zip(radius, gap, strict=True)) == sorted(zip(distance, widths, strict=True))
     assert (np.diff(radius) < 0).sum() > 100
+
+
+@pytest.mark.parametrize("name", ["n_folds", "max_held_out"])
+@pytest.mark.parametrize("count", [0, -3, 2.5])
+def test_a_number_that_is_no_positive_integer_is_refused(name, count):
+    """Of folds, and of held-out samples."""
+    points = uniform(20, 2, seed=0)
+    with pytest.raises(ValueError, match=f"{name} must be a positive integer; got {count}"):
+        distance_matched_folds(points, points, **{name: count})
