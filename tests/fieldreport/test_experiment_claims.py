@@ -254,7 +254,7 @@ def test_curvatures_are_derivatives_of_the_slope():
 
 def test_bumps_occur_with_either_basis():
     """More extrema than the field has, and an ε of the spacing removes most with either basis."""
-    params = weight_shapes.Params(steps=3, relief_side=8, draws=1, fine=40)
+    params = weight_shapes.Params(steps=3, relief_side=8, draws=2, fine=80)
     facts = experiments.get("weight_shapes").run(params).facts
     assert facts["extrema_true"] == 3
     for basis in ("constant", "linear"):

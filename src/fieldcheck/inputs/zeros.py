@@ -52,7 +52,7 @@ def also_at_zero(
         calls = inputs(seed)
         plain, *_ = calls
         changes = (
-            *_moved(plain, points, lambda p: np.atleast_2d(p)),
+            *_moved(plain, points, np.atleast_2d),
             *_moved(plain, numbers, lambda p: p[:, np.newaxis]),
             *_changed(plain, values),
         )
@@ -70,19 +70,16 @@ def _moved(
     call: Call, positions: Sequence[int], in_rows: Callable[[Any], np.ndarray]
 ) -> Iterator[Changed]:
     """Yield the points, moved so that no coordinate is positive, or the first one is zero."""
-    if positions:
-        rows = np.concatenate([in_rows(call.arguments[k]) for k in positions])
-        for zero, words in (
-            (rows.max(axis=0), "all coordinates at most zero"),
-            (rows[0], "moved to the origin"),
-        ):
-            yield (
-                {
-                    k: (in_rows(call.arguments[k]) - zero).reshape(call.arguments[k].shape)
-                    for k in positions
-                },
-                words,
-            )
+    if not positions:
+        return
+    shapes = {k: call.arguments[k].shape for k in positions}
+    rows = {k: in_rows(call.arguments[k]) for k in positions}
+    every = np.concatenate(list(rows.values()))
+    for zero, words in (
+        (every.max(axis=0), "all coordinates at most zero"),
+        (every[0], "moved to the origin"),
+    ):
+        yield {k: (rows[k] - zero).reshape(shapes[k]) for k in positions}, words
 
 
 def _changed(call: Call, positions: Sequence[int]) -> Iterator[Changed]:

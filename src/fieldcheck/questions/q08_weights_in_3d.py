@@ -250,10 +250,8 @@ def more_heights(
         yield (vertex, k * neighbors, k * inside), f"a vertex of integers, neighbours {k} away"
     yield (center, neighbors[:2], center + random.normal(size=(69, 3))), "69 points"
     for k in (1, 2):
-        vertex, odd = (
-            random.integers(-9, 10, 3),
-            2 * k * random.integers(1, 9, (3, 3)) + np.eye(3, dtype=int),
-        )
+        vertex = random.integers(-9, 10, 3)
+        odd = 2 * k * random.integers(1, 9, (3, 3)) + np.eye(3, dtype=int)
         points = vertex + random.integers(-9, 10, (4, 3))
         yield (
             (vertex, vertex + odd, points),

@@ -97,9 +97,8 @@ def test_perturbations_change_the_last_digits_only(array, number, draw):
 @pytest.mark.slow
 @pytest.mark.parametrize("question", ["04.3", "09.2"])
 def test_verdicts_of_two_questions_do_not_depend_on_the_last_digits(question, monkeypatch):
-    """Those on solution, alternatives and misconceptions, for one student and three draws."""
+    """The verdicts on solution, alternatives and misconceptions, for one student and ten draws."""
     monkeypatch.setattr(rounding_errors, "STUDENTS", ("second",))
-    monkeypatch.setattr(rounding_errors, "DRAWS", 3)
     assert not changes_under_perturbation(SOURCES[question[:2]], question)
 
 
@@ -119,9 +118,8 @@ def test_no_verdict_of_any_question_depends_on_the_last_digits(number, monkeypat
     ("question", "name"),
     [("01.2", "vector of a null space"), ("01.5", "rounding of zero")],
 )
-def test_a_misconception_that_depends_on_rounding_is_reported(noisy, question, name, monkeypatch):
-    """The report names this misconception, and no other of the question; three draws suffice."""
-    monkeypatch.setattr(rounding_errors, "DRAWS", 3)
+def test_a_misconception_that_depends_on_rounding_is_reported(noisy, question, name):
+    """The report names this misconception, and no other of the question."""
     (sentence,) = changes_under_perturbation(noisy, question)[question]
     assert re.match(
         rf"the mistake '{name}' is judged wrong and no longer '{name}' "
